@@ -1,0 +1,168 @@
+# shellcheck shell=bash
+# Installs what a fresh machine lacks. app/run, tests/run and .ci/run source this and call
+# `install_for headless|window|tests`. It speaks on stderr only: stdout belongs to the program.
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." >/dev/null && pwd)
+needed_rust=$(sed -n 's/^rust-version = "\([0-9]*\.[0-9]*\).*/\1/p' "$root/Cargo.toml")
+
+# Cargo runs in the repository, but a relative folder was meant from where the caller stands.
+if [[ -n ${CARGO_TARGET_DIR-} && $CARGO_TARGET_DIR != /* && $CARGO_TARGET_DIR != ?:* ]]; then
+    export CARGO_TARGET_DIR=$PWD/$CARGO_TARGET_DIR
+fi
+
+say() { printf '%s\n' "$@" >&2; }
+
+# Installs what it can; what is left for the user to do is said in one go, with exact words, and ends the script.
+install_for() {
+    local packages=() lacking=() as_root=() to_do=() updated=
+    # Windows and macOS bring everything but Rust along.
+    if [[ $(uname -s) == Linux ]]; then
+        find_lacking "$1"
+        if command -v apt-get >/dev/null; then
+            rust_is_new_enough || has_rustup || find_rustup_package
+            install_packages
+        elif ((${#lacking[@]})); then
+            say "This machine may lack: $(list "${lacking[@]}"). Only Debian's and Ubuntu's packages are known here; going on."
+        fi
+    fi
+    rust_is_new_enough || install_rust
+    ((${#to_do[@]} == 0)) || { say "${to_do[@]}" "Then run this again."; exit 1; }
+}
+
+list() { local text; printf -v text '%s, ' "$@"; printf '%s' "${text%, }"; }
+
+# ---- What is there? Only cheap looks, since this runs before every start.
+
+find_lacking() {
+    need ca-certificates "TLS certificates" has_certificates
+    if [[ $1 == headless ]]; then
+        need g++ "a linker (cc)" can_link cc
+        return
+    fi
+    need g++ "a linker and a C++ compiler (cc, c++)" can_link cc c++
+
+    # The program opens these by name when it runs, so no link step notices that one is missing.
+    # ldconfig is not on a user's PATH on Debian.
+    local libraries pair
+    libraries=$(PATH=$PATH:/usr/sbin:/sbin ldconfig -p 2>/dev/null || true)
+    for pair in libvulkan.so.1=libvulkan1 \
+        libX11.so.6=libx11-6 libX11-xcb.so.1=libx11-xcb1 libXcursor.so.1=libxcursor1 libXi.so.6=libxi6 \
+        libxkbcommon.so.0=libxkbcommon0 libxkbcommon-x11.so.0=libxkbcommon-x11-0 \
+        libwayland-client.so.0=libwayland-client0; do
+        need "${pair#*=}" "${pair%=*}" has_library "${pair%=*}"
+    done
+    need mesa-vulkan-drivers "a Vulkan driver" has_vulkan_driver
+
+    if [[ $1 == tests ]]; then
+        need xvfb Xvfb command -v Xvfb
+        need xauth xauth command -v xauth
+        need xdotool xdotool command -v xdotool
+        need imagemagick "ImageMagick (import)" command -v import
+    fi
+}
+
+# need PACKAGE WHAT CHECK...: where the check fails, Debian's PACKAGE brings WHAT.
+need() {
+    local package=$1 what=$2
+    shift 2
+    "$@" >/dev/null 2>&1 || { packages+=("$package"); lacking+=("$what"); }
+}
+
+# Without certificates neither rustup nor cargo can fetch anything.
+has_certificates() { [[ -n ${SSL_CERT_FILE-}${CARGO_HTTP_CAINFO-} ]] || compgen -G '/etc/ssl/certs/*'; }
+
+# A compiler alone links nothing: crt1.o comes with the C library's development files.
+can_link() {
+    local compiler crt
+    for compiler; do
+        crt=$("$compiler" -print-file-name=crt1.o) && [[ -e $crt ]] || return 1
+    done
+}
+
+has_library() { [[ $libraries == *$'\t'"$1 "* ]]; }
+
+has_vulkan_driver() {
+    [[ -n ${VK_DRIVER_FILES-}${VK_ICD_FILENAMES-} ]] && return
+    local folder
+    for folder in /etc /usr/share /usr/local/share "${HOME-}/.local/share" /run/opengl-driver/share; do
+        compgen -G "$folder/vulkan/icd.d/*.json" && return
+    done
+    return 1
+}
+
+# Asked from the repository, where a rust-toolchain.toml may choose.
+rust_is_new_enough() {
+    local version
+    version=$(cd "$root" && command -v cargo >/dev/null && rustc --version 2>/dev/null) || return 1
+    [[ $version =~ ^rustc\ ([0-9]+)\.([0-9]+) ]] || return 1
+    ((BASH_REMATCH[1] > ${needed_rust%.*} ||
+        (BASH_REMATCH[1] == ${needed_rust%.*} && BASH_REMATCH[2] >= ${needed_rust#*.})))
+}
+
+has_rustup() {
+    # It may be missing from the PATH (CI, a shell older than rustup) or come after a distribution's old Rust.
+    local folder=${CARGO_HOME:-${HOME-}/.cargo}/bin
+    [[ ! -x $folder/rustup ]] || PATH=$folder:$PATH
+    command -v rustup >/dev/null
+}
+
+# ---- Install
+
+# Later Debians and Ubuntus have rustup as a package; a fresh machine only knows so after an update.
+find_rustup_package() {
+    ! become_root || update
+    [[ -z $(apt-cache show rustup 2>/dev/null) ]] || need rustup "Rust $needed_rust" false
+}
+
+install_packages() {
+    ((${#packages[@]})) || return 0
+    local command="apt-get install -y --no-install-recommends ${packages[*]}"
+    say "This machine lacks: $(list "${lacking[@]}")."
+    if ! become_root; then
+        to_do+=("Run:" "    sudo apt-get update && sudo $command")
+        return
+    fi
+    say "Installing: ${packages[*]}"
+    update
+    # --no-remove: nothing of the user's is taken away unasked.
+    apt install -qy --no-install-recommends --no-remove "${packages[@]}" ||
+        to_do+=("The installation failed, for the reason above. As root, run:" "    $command")
+}
+
+become_root() {
+    ((EUID)) || return 0
+    as_root=(sudo -n)
+    "${as_root[@]}" true 2>/dev/null
+}
+
+# One broken package source of the user's must not stop the others.
+update() {
+    [[ -z $updated ]] || return 0
+    updated=yes
+    apt update -q || say "apt-get update failed; going on with the package lists that are here."
+}
+
+apt() {
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=300 "$@" </dev/null >&2
+}
+
+install_rust() {
+    if has_rustup; then
+        rust_is_new_enough && return
+        # A stable one beside an older default or pin serves this run, and changes neither.
+        export RUSTUP_TOOLCHAIN=stable
+        rust_is_new_enough && return
+        # This replaces an older stable for all of the user's projects, so it is said.
+        say "Rust $needed_rust or later is needed: installing or updating rustup's stable toolchain."
+        rustup toolchain install stable --profile minimal --no-self-update </dev/null >&2 && rust_is_new_enough && return
+        to_do+=("rustup could not bring Rust $needed_rust or later. With the network up, run:" "    rustup update stable")
+    elif [[ " ${packages[*]-} " != *" rustup "* ]]; then
+        local found
+        found=$(rustc --version 2>/dev/null) || found="no Rust"
+        to_do+=("Rust $needed_rust or later is needed (here: $found). Install it as https://rustup.rs says:")
+        case $(uname -s) in
+            Linux | Darwin) to_do+=("    curl --proto '=https' --tlsv1.2 -sSf https://sh.rustup.rs | sh -s -- -y") ;;
+            *) to_do+=("    download rustup-init.exe from https://rustup.rs and run it") ;;
+        esac
+    fi
+}

@@ -1,0 +1,1 @@
+//! Chooses and makes the backend that the user or the machine asks for.

@@ -1,0 +1,143 @@
+//! Design: everything a user can edit, as they edit it (files' units: mm, degrees, sRGB). No wgpu, no egui.
+//!
+//! [`Design`] is plain data that can be cloned, compared and written as TOML; [`preset`] reads and writes files with
+//! faults that name line and column. `scene::compile` turns a valid design into what a renderer draws.
+
+mod chart_image;
+mod colour;
+mod fields;
+mod pattern;
+pub mod preset;
+mod sections;
+
+pub use chart_image::{ChartImage, TILE};
+pub use colour::{Colour, linear_to_srgb, srgb_to_linear};
+pub use fields::{Fault, Field, Numbers};
+pub use pattern::{Pattern, STITCHES, Stitch};
+pub use sections::*;
+
+use serde::{Deserialize, Serialize};
+
+/// The preset format this program writes.
+pub const FORMAT: u32 = 1;
+
+/// A towel or carpet as its designer describes it. The default is a plain white bath towel.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Design {
+    /// Size of the ground weave.
+    pub sheet: Sheet,
+    /// Stitch pattern.
+    pub weave: Weave,
+    /// Chart image: colour of each loop.
+    pub chart: Chart,
+    /// Length of each loop.
+    pub length: Length,
+    /// The yarn loops and the volume inside them.
+    pub pile: Pile,
+    /// The smooth disorder of the loops.
+    pub turbulence: Turbulence,
+    /// The ground weave's yarns.
+    pub skeleton: SkeletonDesign,
+    /// Lights and background.
+    pub light: Light,
+    /// Cameras and display.
+    pub view: View,
+    /// How a final picture is made.
+    pub quality: Quality,
+}
+
+impl Design {
+    /// Every value that is not allowed; empty for a design that compiles.
+    pub fn faults(&self) -> Vec<Fault> {
+        let mut faults = Vec::new();
+        self.sheet.push_range_faults("sheet", &mut faults);
+        self.weave.pattern.push_faults("weave.pattern", &mut faults);
+        self.length.push_faults(&mut faults);
+        self.pile.push_range_faults("pile", &mut faults);
+        self.turbulence.push_range_faults("turbulence", &mut faults);
+        self.skeleton.push_range_faults("skeleton", &mut faults);
+        self.light.push_faults(&mut faults);
+        self.view.push_faults(&mut faults);
+        self.quality.push_range_faults("quality", &mut faults);
+        self.push_relation_faults(&mut faults);
+        faults
+    }
+
+    /// Faults of fields that are each in range but not together.
+    fn push_relation_faults(&self, faults: &mut Vec<Fault>) {
+        let mut fault = |path: &str, value: f64, allowed: String| {
+            faults.push(Fault {
+                path: path.into(),
+                value: value.to_string(),
+                allowed,
+            });
+        };
+        let cells = f64::from(self.sheet.warps) * f64::from(self.sheet.wefts);
+        if cells > Sheet::MAX_CELLS {
+            fault(
+                "sheet.wefts",
+                f64::from(self.sheet.wefts),
+                format!(
+                    "at most {} crossings with {} warps",
+                    Sheet::MAX_CELLS,
+                    self.sheet.warps
+                ),
+            );
+        }
+        if self.length.min > self.length.max {
+            fault(
+                "length.min",
+                self.length.min,
+                format!("at most length.max, {}", self.length.max),
+            );
+        }
+        let reach = self.reach_mm();
+        let limit = Sheet::MAX_REACH_CELLS * self.sheet.pitch_x().min(self.sheet.pitch_y());
+        if reach > limit {
+            fault(
+                "pile.max_length",
+                self.pile.max_length,
+                format!(
+                    "a length with which loops reach at most {} cells ({limit:.1} mm; they reach {reach:.1} mm)",
+                    Sheet::MAX_REACH_CELLS
+                ),
+            );
+        }
+        let turbulence = &self.turbulence;
+        if turbulence.filter != Filter::None
+            && turbulence.filter_radius > f64::from(self.sheet.warps.max(self.sheet.wefts))
+        {
+            fault(
+                "turbulence.filter_radius",
+                turbulence.filter_radius,
+                "at most the sheet's larger side in cells".into(),
+            );
+        }
+    }
+
+    /// The farthest that any part of a loop can be from its cell's centre, mm.
+    pub fn reach_mm(&self) -> f64 {
+        let longest =
+            self.length.longest() * (1.0 + self.pile.stretch) * (1.0 + self.pile.length_jitter);
+        let width = self.pile.base_width.max(self.pile.top_width);
+        longest.min(self.pile.max_length) + width + self.pile.thickness
+    }
+
+    /// Things that are allowed but probably not meant, as sentences for the designer.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        let highest = self.turbulence.frequency
+            * self
+                .turbulence
+                .lacunarity
+                .powi(self.turbulence.octaves as i32 - 1);
+        let limit = 0.5 / self.sheet.pitch_x().max(self.sheet.pitch_y());
+        if highest > limit {
+            warnings.push(format!(
+                "the highest turbulence octave has {highest:.2} cycles/mm, above {limit:.2}, half a cycle a cell: neighbouring loops look unrelated"
+            ));
+        }
+        warnings
+    }
+}

@@ -1,0 +1,690 @@
+//! The sections of a design, one struct each, in the order one designs: sheet, weave, chart, length, pile, turbulence,
+//! skeleton, light, view, quality. Field names are those of preset files.
+//!
+//! Longer than most files because it is the one list of all editable fields.
+
+use serde::{Deserialize, Serialize};
+
+use super::fields::{Fault, Numbers, section};
+use super::{ChartImage, Colour, Pattern};
+
+section! {
+    /// Size of the ground weave (MODEL.md §1).
+    Sheet, SheetFields {
+        numbers {
+            /// How many warp yarns the cloth is wide.
+            warps: u32 = 120, 1..=100_000, "yarns";
+            /// How many weft yarns the cloth is long.
+            wefts: u32 = 140, 1..=100_000, "yarns";
+            /// How closely the warp yarns stand; more makes the cloth narrower and the pile denser.
+            warps_per_cm: f64 = 13.3, 0.5..=60.0, "/cm";
+            /// How closely the weft yarns stand; more makes the cloth shorter and the pile denser.
+            wefts_per_cm: f64 = 14.8, 0.5..=60.0, "/cm";
+        }
+        others {}
+    }
+}
+
+impl Sheet {
+    /// Most crossings of warps and wefts that a sheet may have.
+    pub const MAX_CELLS: f64 = 1e8;
+    /// Farthest that a loop may reach, in cells: what a cell list entry can address.
+    pub const MAX_REACH_CELLS: f64 = 60.0;
+
+    /// Distance between warps, mm.
+    pub fn pitch_x(&self) -> f64 {
+        10.0 / self.warps_per_cm
+    }
+
+    /// Distance between wefts, mm.
+    pub fn pitch_y(&self) -> f64 {
+        10.0 / self.wefts_per_cm
+    }
+}
+
+/// Declares an enum whose variants are written in files in lower case with underscores, and listed for menus.
+macro_rules! choice {
+    ($(#[$meta:meta])* $name:ident { $( $(#[doc = $doc:literal])+ $variant:ident = $label:literal, )+ }) => {
+        $(#[$meta])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+        #[serde(rename_all = "snake_case")]
+        pub enum $name { $( $(#[doc = $doc])+ $variant, )+ }
+
+        impl $name {
+            /// All choices, in menu order.
+            pub const ALL: &'static [Self] = &[$(Self::$variant,)+];
+
+            /// What a menu calls this choice.
+            pub fn label(self) -> &'static str {
+                match self { $(Self::$variant => $label,)+ }
+            }
+
+            /// What this choice does to the cloth or the picture.
+            pub fn what(self) -> &'static str {
+                match self { $(Self::$variant => concat!($($doc),+),)+ }
+            }
+        }
+    };
+}
+
+choice! {
+    /// What stands on the back of the cloth.
+    Back {
+        /// The back repeats the front's loops.
+        Mirror = "mirror",
+        /// The back follows the pattern's 8s and 9s.
+        Pattern = "pattern",
+        /// The back is bare.
+        None = "none",
+    }
+}
+
+/// The stitch pattern and what it means for the back.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Weave {
+    /// The repeat: 0 weft over, 1 warp over, 7 loop on the front, 8 on the back, 9 on both. Row 0 is the near edge.
+    pub pattern: Pattern,
+    /// What stands on the back.
+    pub back: Back,
+}
+
+impl Default for Weave {
+    fn default() -> Self {
+        let mut pattern = Pattern::filled(2, 2, 0);
+        pattern.set(0, 0, 7);
+        pattern.set(1, 1, 7);
+        Self {
+            pattern,
+            back: Back::Mirror,
+        }
+    }
+}
+
+choice! {
+    /// How chart texels are laid over the cells.
+    Fit {
+        /// The chart covers the whole sheet once.
+        Stretch = "stretch",
+        /// One pixel is one loop; the chart repeats.
+        Tile = "tile",
+    }
+}
+
+/// The chart image: colour of each loop (and through [`Length`] its length and material).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Chart {
+    /// Path of the image, relative to the preset; no image means one colour.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub image: Option<String>,
+    /// How texels are laid over the cells.
+    pub fit: Fit,
+    /// When tiling: every second repeat along the weft is mirrored.
+    pub mirror_x: bool,
+    /// When tiling: every second repeat along the warp is mirrored.
+    pub mirror_y: bool,
+    /// When tiling: every second column of repeats is shifted by half a repeat.
+    pub half_drop: bool,
+    /// Colour of all loops where there is no image.
+    pub colour: Colour,
+    /// The decoded image; read and written by the program's file layer, never by serde.
+    #[serde(skip)]
+    pub pixels: Option<ChartImage>,
+}
+
+impl Default for Chart {
+    fn default() -> Self {
+        let colour = Colour::WHITE;
+        Self {
+            image: None,
+            fit: Fit::Stretch,
+            mirror_x: false,
+            mirror_y: false,
+            half_drop: false,
+            colour,
+            pixels: None,
+        }
+    }
+}
+
+choice! {
+    /// How a texel becomes a loop length.
+    LengthMap {
+        /// All loops have the same length.
+        Constant = "constant",
+        /// Length follows the texel's brightness through a curve.
+        Gray = "gray curve",
+        /// Each colour of the chart has its own length and material.
+        Lut = "table",
+    }
+}
+
+choice! {
+    /// What a loop is made of.
+    PileKind {
+        /// Uncut loops: an arch of twisted plies.
+        Terry = "terry loop",
+        /// Cut loops: a tuft of fibres (velour, cut carpet).
+        Cut = "cut tuft",
+    }
+}
+
+section! {
+    /// One row of the table from chart colour to length and material.
+    LengthEntry, LengthEntryFields {
+        numbers {
+            /// Length of loops of this colour; 0 plants none.
+            length: f64 = 3.0, 0.0..=100.0, "mm";
+            /// Multiplies how much light loops of this colour give back.
+            albedo_scale: f64 = 1.0, 0.0..=1.0, "";
+        }
+        others {
+            /// The chart colour this row is for; texels use the nearest row.
+            colour: Colour = Colour::WHITE;
+            /// Density of the yarn instead of `pile.density`, 1/mm.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            density: Option<f64> = None;
+            /// Kind of pile instead of `pile.kind`.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            kind: Option<PileKind> = None;
+        }
+    }
+}
+
+section! {
+    /// Length of each loop (MODEL.md §6).
+    Length, LengthFields {
+        numbers {
+            /// Length of all loops when the map is constant.
+            value: f64 = 3.0, 0.0..=100.0, "mm";
+            /// Length where the chart is black.
+            min: f64 = 1.5, 0.0..=100.0, "mm";
+            /// Length where the chart is white.
+            max: f64 = 3.5, 0.0..=100.0, "mm";
+        }
+        others {
+            /// How a texel becomes a length.
+            map: LengthMap = LengthMap::Constant;
+            /// Points (brightness, share of the way from min to max), each in 0 to 1, brightness rising.
+            curve: Vec<[f64; 2]> = vec![[0.0, 0.0], [1.0, 1.0]];
+            /// Rows from colour to length and material.
+            #[serde(skip_serializing_if = "Vec::is_empty")]
+            table: Vec<LengthEntry> = Vec::new();
+        }
+    }
+}
+
+impl Length {
+    /// Most rows of the table.
+    pub const MAX_ROWS: usize = 64;
+    /// Most points of the curve.
+    pub const MAX_POINTS: usize = 32;
+
+    /// The longest loop the map can give, before stretch, mm.
+    pub fn longest(&self) -> f64 {
+        match self.map {
+            LengthMap::Constant => self.value,
+            LengthMap::Gray => self.max,
+            LengthMap::Lut => self.table.iter().fold(
+                self.value * f64::from(u8::from(self.table.is_empty())),
+                |l, e| l.max(e.length),
+            ),
+        }
+    }
+
+    pub(super) fn push_faults(&self, faults: &mut Vec<Fault>) {
+        self.push_range_faults("length", faults);
+        let mut fault = |path: String, value: String, allowed: String| {
+            faults.push(Fault {
+                path,
+                value,
+                allowed,
+            });
+        };
+        let mut last = f64::NEG_INFINITY;
+        for (index, &[x, y]) in self.curve.iter().enumerate() {
+            if !((0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&y) && x > last) {
+                fault(
+                    format!("length.curve[{index}]"),
+                    format!("[{x}, {y}]"),
+                    "[brightness, share], each 0 to 1, brightness rising".into(),
+                );
+            }
+            last = x;
+        }
+        if !(2..=Self::MAX_POINTS).contains(&self.curve.len()) {
+            fault(
+                "length.curve".into(),
+                format!("{} points", self.curve.len()),
+                format!("2 to {} points", Self::MAX_POINTS),
+            );
+        }
+        if self.table.len() > Self::MAX_ROWS {
+            fault(
+                "length.table".into(),
+                format!("{} rows", self.table.len()),
+                format!("at most {} rows", Self::MAX_ROWS),
+            );
+        }
+        if self.map == LengthMap::Lut && self.table.is_empty() {
+            fault(
+                "length.table".into(),
+                "empty".into(),
+                "at least one row when length.map is \"lut\"".into(),
+            );
+        }
+        for (index, row) in self.table.iter().enumerate() {
+            row.push_range_faults(&format!("length.table[{index}]"), faults);
+            let density = Pile::FIELDS.density;
+            if let Some(value) = row
+                .density
+                .filter(|value| !(density.min..=density.max).contains(value))
+            {
+                faults.push(Fault {
+                    path: format!("length.table[{index}].density"),
+                    value: value.to_string(),
+                    allowed: density.allowed(),
+                });
+            }
+        }
+    }
+}
+
+choice! {
+    /// How densities blend from one layer of a loop's volume to the next.
+    Interpolation {
+        /// Layers blend into each other.
+        Linear = "linear",
+        /// Layers are slabs, as in the paper.
+        Nearest = "nearest",
+    }
+}
+
+choice! {
+    /// How a point of the pile scatters light.
+    Phase {
+        /// Equally to all sides.
+        Isotropic = "isotropic",
+        /// As a small Lambertian surface that faces the loop's normal; part of the light is let through.
+        FrameLambert = "frame Lambert",
+        /// As a fibre: diffuse about its direction, with a highlight cone (Kajiya and Kay).
+        KajiyaKay = "Kajiya-Kay",
+    }
+}
+
+section! {
+    /// The yarn loops and the volume inside them (MODEL.md §4, §5).
+    Pile, PileFields {
+        numbers {
+            /// Width of a loop at its root: leg spacing plus yarn diameter.
+            base_width: f64 = 1.9, 0.05..=50.0, "mm";
+            /// Width of a loop at its top; smaller than the root gives pointed, larger gives spread loops.
+            top_width: f64 = 1.9, 0.05..=50.0, "mm";
+            /// Thickness of a loop's volume, front to back: a little more than the yarn.
+            thickness: f64 = 0.96, 0.01..=50.0, "mm";
+            /// Diameter of the loop's yarn; thicker yarn fills the gaps and looks softer.
+            yarn_diameter: f64 = 0.8, 0.02..=20.0, "mm";
+            /// How many plies the yarn is twisted from; each shows as a ridge along the loop.
+            plies: u32 = 2, 1..=8, "";
+            /// Turns of the plies in a centimetre of yarn; more turns give a harder, cord-like loop.
+            twist_per_cm: f64 = 4.0, 0.0..=40.0, "turns/cm";
+            /// How many fibres a yarn shows; fewer give coarse, stringy yarn.
+            fibres: u32 = 60, 1..=2000, "";
+            /// Share of stray fibres around the yarn: the fuzz of the cloth.
+            hairiness: f64 = 0.3, 0.0..=1.0, "";
+            /// How many different loops there are, so that neighbours differ.
+            variants: u32 = 8, 1..=64, "";
+            /// Slabs of the volume across its thickness; the paper uses 5.
+            layers: u32 = 16, 1..=64, "";
+            /// Voxels of the volume along its width and its length.
+            resolution: u32 = 32, 4..=128, "voxels";
+            /// How strongly solid yarn absorbs and scatters; more makes harder edges, less makes airy pile.
+            density: f64 = 10.0, 0.0..=1_000_000.0, "/mm";
+            /// Most light that one scattering may give back; white cotton is about 0.98.
+            max_albedo: f64 = 0.985, 0.0..=1.0, "";
+            /// No loop gets longer than this, whatever chart and stretch say.
+            max_length: f64 = 20.0, 0.0..=100.0, "mm";
+            /// Share of the loop, from its root, over which it fades into the ground weave.
+            root_blend: f64 = 0.1, 0.0..=1.0, "";
+            /// Lean of all loops along the weft: the nap.
+            lean_x: f64 = 0.0, -75.0..=75.0, "°";
+            /// Lean of all loops along the warp: the nap.
+            lean_y: f64 = 20.0, -75.0..=75.0, "°";
+            /// How far the turbulence tips loops over; clumps of loops share a lie.
+            tilt: f64 = 63.0, 0.0..=180.0, "°";
+            /// How far the turbulence turns loops about their own axis.
+            twist: f64 = 80.0, -143.0..=143.0, "°";
+            /// Share by which the turbulence lengthens and shortens loops.
+            stretch: f64 = 0.15, 0.0..=1.0, "";
+            /// Independent random lean of each loop, on top of the turbulence.
+            jitter: f64 = 14.0, 0.0..=90.0, "°";
+            /// Independent random twist of each loop.
+            twist_jitter: f64 = 14.0, 0.0..=143.0, "°";
+            /// Independent random share of each loop's length.
+            length_jitter: f64 = 0.08, 0.0..=1.0, "";
+            /// Share of light that passes through, for frame Lambert.
+            transmission: f64 = 0.5, 0.0..=1.0, "";
+            /// Share of light in the highlight, for Kajiya-Kay.
+            specular: f64 = 0.1, 0.0..=1.0, "";
+            /// Sharpness of the highlight, for Kajiya-Kay.
+            exponent: f64 = 12.0, 1.0..=500.0, "";
+        }
+        others {
+            /// What a loop is made of.
+            kind: PileKind = PileKind::Terry;
+            /// How layers blend.
+            interpolation: Interpolation = Interpolation::Linear;
+            /// How a point of the pile scatters light.
+            phase: Phase = Phase::Isotropic;
+        }
+    }
+}
+
+choice! {
+    /// The noise behind the turbulence.
+    NoiseKind {
+        /// Soft Perlin noise summed over octaves.
+        Fbm = "fbm (Perlin)",
+        /// Perlin noise folded at zero: ridges and creases.
+        Turbulence = "turbulence (folded Perlin)",
+        /// Simplex noise: rounder clumps.
+        Simplex = "simplex",
+        /// Distance to scattered points: cells with steep borders.
+        Worley = "Worley (cells)",
+    }
+}
+
+choice! {
+    /// Smoothing of the turbulence over neighbouring cells.
+    Filter {
+        /// No smoothing.
+        None = "none",
+        /// Mean of a square of cells.
+        Box = "box",
+        /// Weighted mean that fades with distance.
+        Gaussian = "Gaussian",
+    }
+}
+
+section! {
+    /// The smooth disorder of the loops (MODEL.md §3, the paper's figure 11).
+    Turbulence, TurbulenceFields {
+        numbers {
+            /// Clumps a millimetre; lower gives broader clumps that share a lie.
+            frequency: f64 = 0.25, 0.0001..=10.0, "cycles/mm";
+            /// How many layers of ever finer disorder are summed.
+            octaves: u32 = 2, 1..=10, "";
+            /// How much finer each octave is than the one before.
+            lacunarity: f64 = 2.0, 1.0..=4.0, "";
+            /// How much weaker each octave is than the one before.
+            gain: f64 = 0.5, 0.0..=1.0, "";
+            /// Another number gives another towel of the same kind.
+            seed: u32 = 1, 0..=4_294_967_295.0, "";
+            /// Reach of the smoothing.
+            filter_radius: f64 = 2.0, 0.0..=64.0, "cells";
+        }
+        others {
+            /// The noise behind it.
+            kind: NoiseKind = NoiseKind::Fbm;
+            /// Smoothing over neighbouring cells.
+            filter: Filter = Filter::None;
+        }
+    }
+}
+
+choice! {
+    /// How the height of a ground yarn follows over and under.
+    SkeletonHeight {
+        /// A round yarn that winds over and under.
+        Winding = "winding",
+        /// The paper's equation 2: cross-section times sine, flat between and hollow below.
+        Paper = "paper's product",
+    }
+}
+
+section! {
+    /// The ground weave's yarns (MODEL.md §7).
+    SkeletonDesign, SkeletonFields {
+        numbers {
+            /// Radius of the warp yarns; thin yarns leave gaps that let light through.
+            warp_radius: f64 = 0.22, 0.005..=10.0, "mm";
+            /// Radius of the weft yarns; thin yarns leave gaps that let light through.
+            weft_radius: f64 = 0.22, 0.005..=10.0, "mm";
+            /// How far the yarns rise and sink where they cross; 0 keeps them flat.
+            crimp: f64 = 0.22, 0.0..=10.0, "mm";
+        }
+        others {
+            /// How the height follows over and under.
+            height: SkeletonHeight = SkeletonHeight::Winding;
+            /// Colour of the ground yarns.
+            colour: Colour = Colour([240, 238, 232]);
+            /// Whether the ground weave is drawn.
+            visible: bool = true;
+        }
+    }
+}
+
+section! {
+    /// A sun: parallel light from a disc in the sky.
+    Sun, SunFields {
+        numbers {
+            /// Direction the light comes from, about the cloth's normal: 0° from +x (weft), 90° from +y (warp).
+            azimuth: f64 = 130.0, -360.0..=360.0, "°";
+            /// Height of the sun over the cloth's plane.
+            elevation: f64 = 50.0, -90.0..=90.0, "°";
+            /// Light that falls on a plane that faces the sun; π lights white paper to 1.
+            irradiance: f64 = 1.5, 0.0..=1000.0, "";
+            /// Apparent diameter of the sun; larger gives softer shadows.
+            angular_diameter: f64 = 10.0, 0.0..=120.0, "°";
+        }
+        others {
+            /// Colour of the light.
+            colour: Colour = Colour::WHITE;
+        }
+    }
+}
+
+choice! {
+    /// Light from all around.
+    EnvironmentKind {
+        /// The same light from everywhere.
+        Constant = "constant",
+    }
+}
+
+section! {
+    /// Light from all around.
+    Environment, EnvironmentFields {
+        numbers {
+            /// Brightness of the surroundings.
+            radiance: f64 = 0.6, 0.0..=1000.0, "";
+        }
+        others {
+            /// How it varies with direction.
+            kind: EnvironmentKind = EnvironmentKind::Constant;
+            /// Its colour.
+            colour: Colour = Colour::WHITE;
+        }
+    }
+}
+
+/// Lights and background (MODEL.md §8).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Light {
+    /// Suns; none leaves the environment alone.
+    pub sun: Vec<Sun>,
+    /// Light from all around.
+    pub environment: Environment,
+    /// Colour seen where there is no cloth; it gives no light.
+    pub background: Colour,
+}
+
+impl Default for Light {
+    fn default() -> Self {
+        Self {
+            sun: vec![Sun::default()],
+            environment: Environment::default(),
+            background: Colour([247, 246, 240]),
+        }
+    }
+}
+
+impl Light {
+    /// Most suns.
+    pub const MAX_SUNS: usize = 8;
+
+    pub(super) fn push_faults(&self, faults: &mut Vec<Fault>) {
+        for (index, sun) in self.sun.iter().enumerate() {
+            sun.push_range_faults(&format!("light.sun[{index}]"), faults);
+        }
+        if self.sun.len() > Self::MAX_SUNS {
+            let allowed = format!("at most {} suns", Self::MAX_SUNS);
+            faults.push(Fault {
+                path: "light.sun".into(),
+                value: format!("{} suns", self.sun.len()),
+                allowed,
+            });
+        }
+        self.environment
+            .push_range_faults("light.environment", faults);
+    }
+}
+
+choice! {
+    /// How linear light becomes a displayed colour.
+    ToneMap {
+        /// Hard clip at white.
+        None = "none",
+        /// Highlights roll off softly.
+        Filmic = "filmic",
+    }
+}
+
+section! {
+    /// A saved view of the cloth.
+    CameraDesign, CameraFields {
+        numbers {
+            /// Direction from the target to the eye about the cloth's normal; −90° looks along the warp from the near edge.
+            azimuth: f64 = -90.0, -360.0..=360.0, "°";
+            /// Height of the eye over the cloth's plane; negative looks at the back.
+            elevation: f64 = 50.0, -90.0..=90.0, "°";
+            /// Distance of the eye from the target.
+            distance: f64 = 220.0, 0.01..=1_000_000.0, "mm";
+            /// Vertical angle of view, for perspective.
+            fov: f64 = 30.0, 0.1..=150.0, "°";
+        }
+        others {
+            /// Name in menus and for --camera.
+            name: String = "default".into();
+            /// Point looked at, mm.
+            target: [f64; 3] = [0.0, 0.0, 0.0];
+            /// Height of the picture in mm of cloth; makes the view orthographic.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            orthographic_height: Option<f64> = None;
+        }
+    }
+}
+
+section! {
+    /// Cameras and display.
+    View, ViewFields {
+        numbers {
+            /// Brightness of the displayed picture, in stops; does not change the light.
+            exposure: f64 = 0.0, -16.0..=16.0, "EV";
+        }
+        others {
+            /// How linear light becomes a displayed colour.
+            tone_map: ToneMap = ToneMap::None;
+            /// Saved views; the first is the one a file opens with.
+            cameras: Vec<CameraDesign> = vec![CameraDesign::default()];
+        }
+    }
+}
+
+impl View {
+    pub(super) fn push_faults(&self, faults: &mut Vec<Fault>) {
+        self.push_range_faults("view", faults);
+        let mut fault = |path: String, value: String, allowed: &str| {
+            faults.push(Fault {
+                path,
+                value,
+                allowed: allowed.into(),
+            });
+        };
+        if self.cameras.is_empty() {
+            fault("view.cameras".into(), "empty".into(), "at least one camera");
+        }
+        for (index, camera) in self.cameras.iter().enumerate() {
+            let path = format!("view.cameras[{index}]");
+            if let Some(height) = camera
+                .orthographic_height
+                .filter(|height| !(1e-3..=1e6).contains(height))
+            {
+                fault(
+                    format!("{path}.orthographic_height"),
+                    height.to_string(),
+                    "0.001 to 1000000 mm",
+                );
+            }
+            for (axis, value) in camera
+                .target
+                .iter()
+                .enumerate()
+                .filter(|(_, value)| !(-1e6..=1e6).contains(*value))
+            {
+                fault(
+                    format!("{path}.target[{axis}]"),
+                    value.to_string(),
+                    "-1000000 to 1000000 mm",
+                );
+            }
+            if self.cameras[..index]
+                .iter()
+                .any(|other| other.name == camera.name)
+            {
+                fault(
+                    format!("{path}.name"),
+                    format!("{:?}", camera.name),
+                    "a name that no other camera has",
+                );
+            }
+        }
+        for (index, camera) in self.cameras.iter().enumerate() {
+            camera.push_range_faults(&format!("view.cameras[{index}]"), faults);
+        }
+    }
+}
+
+choice! {
+    /// How a ray gathers light from the loops it crosses (MODEL.md §9).
+    Method {
+        /// One intersection a loop: the paper's method, fastest.
+        Single = "single",
+        /// One intersection a layer: closer near silhouettes.
+        Layered = "layered",
+        /// Random free paths through the summed densities: unbiased, and light may bounce.
+        Tracked = "tracked",
+    }
+}
+
+section! {
+    /// How a final picture is made.
+    Quality, QualityFields {
+        numbers {
+            /// How many times light may scatter; many bounces make white pile glow.
+            bounces: u32 = 16, 1..=64, "";
+            /// Samples a pixel at which a final picture is done.
+            samples: u32 = 256, 1..=1_048_576, "";
+            /// Estimated error at which a final picture is done; 0 waits for all samples.
+            error: f64 = 0.0, 0.0..=1.0, "";
+            /// Another number gives other noise.
+            seed: u32 = 0, 0..=4_294_967_295.0, "";
+        }
+        others {
+            /// How a ray gathers light.
+            method: Method = Method::Tracked;
+        }
+    }
+}

@@ -1,0 +1,187 @@
+//! Cameras: pixel to ray, in f64, and the f32 bases of rays for tiles of pixels.
+
+use glam::{DVec2, DVec3};
+
+use crate::design::CameraDesign;
+use crate::scene::SheetGeometry;
+
+/// How a camera projects.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Projection {
+    /// Rays from one point; vertical angle of view, radians.
+    Perspective {
+        /// Vertical angle of view, radians.
+        fov: f64,
+    },
+    /// Parallel rays; height of the picture, mm.
+    Orthographic {
+        /// Height of the picture, mm.
+        height_mm: f64,
+    },
+}
+
+/// A camera in world space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Camera {
+    /// Position of the eye, mm (for orthographic cameras: where depth is measured from).
+    pub eye: DVec3,
+    /// Unit vectors to the right, up and forward in the picture.
+    pub right: DVec3,
+    /// Up in the picture.
+    pub up: DVec3,
+    /// Into the picture.
+    pub forward: DVec3,
+    /// How it projects.
+    pub projection: Projection,
+}
+
+/// Rays of one tile of pixels, relative to a cell, for f32 arithmetic anywhere on a large sheet.
+///
+/// The ray of the point (x, y), in pixels from the tile's reference point, has the origin
+/// `origin` + x·`origin_dx` + y·`origin_dy` (mm, x and y from the centre of cell `cell`, z from the sheet) and the
+/// direction normalize(`direction` + x·`direction_dx` + y·`direction_dy`). Distances start `depth_offset_mm` before it:
+/// the distance from the eye is t + |unnormalised direction|·`depth_offset_mm`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RayTile {
+    /// The cell that offsets are relative to.
+    pub cell: [i32; 2],
+    /// Origin of the reference ray, mm.
+    pub origin: DVec3,
+    /// Change of the origin for one pixel to the right, mm.
+    pub origin_dx: DVec3,
+    /// Change of the origin for one pixel down, mm.
+    pub origin_dy: DVec3,
+    /// Direction of the reference ray: forward part of length 1 for perspective.
+    pub direction: DVec3,
+    /// Change of the direction for one pixel to the right.
+    pub direction_dx: DVec3,
+    /// Change of the direction for one pixel down.
+    pub direction_dy: DVec3,
+    /// How many times the unnormalised direction lies between the eye and `origin`.
+    pub depth_offset: f64,
+}
+
+impl Camera {
+    /// The camera a design describes.
+    pub fn from_design(design: &CameraDesign) -> Self {
+        let (azimuth, elevation) = (design.azimuth.to_radians(), design.elevation.to_radians());
+        let towards_eye = DVec3::new(
+            azimuth.cos() * elevation.cos(),
+            azimuth.sin() * elevation.cos(),
+            elevation.sin(),
+        );
+        // The azimuth alone fixes "right", so the picture does not flip when looking straight down.
+        let right = DVec3::new(-azimuth.sin(), azimuth.cos(), 0.0);
+        let forward = -towards_eye;
+        let projection = match design.orthographic_height {
+            Some(height_mm) => Projection::Orthographic { height_mm },
+            None => Projection::Perspective {
+                fov: design.fov.to_radians(),
+            },
+        };
+        let eye = DVec3::from_array(design.target) + towards_eye * design.distance;
+        Self {
+            eye,
+            right,
+            up: right.cross(forward),
+            forward,
+            projection,
+        }
+    }
+
+    /// Origin (mm) and unit direction of the ray through the point `pixel` (from the top left, pixel centres at ½) of a
+    /// picture of `size` pixels.
+    pub fn ray(&self, pixel: DVec2, size: [u32; 2]) -> (DVec3, DVec3) {
+        let (origin, direction, ..) = self.basis(pixel, size);
+        (origin, direction / direction.length())
+    }
+
+    /// Origin and unnormalised direction at `pixel`, then their changes for a pixel right and down.
+    fn basis(&self, pixel: DVec2, size: [u32; 2]) -> (DVec3, DVec3, [DVec3; 2], [DVec3; 2]) {
+        let (width, height) = (f64::from(size[0]), f64::from(size[1]));
+        let offset = pixel - DVec2::new(width, height) / 2.0;
+        let plane = |scale: f64| (self.right * scale, -self.up * scale);
+        match self.projection {
+            Projection::Perspective { fov } => {
+                let (dx, dy) = plane(2.0 * (fov / 2.0).tan() / height);
+                (
+                    self.eye,
+                    self.forward + dx * offset.x + dy * offset.y,
+                    [DVec3::ZERO; 2],
+                    [dx, dy],
+                )
+            }
+            Projection::Orthographic { height_mm } => {
+                let (dx, dy) = plane(height_mm / height);
+                (
+                    self.eye + dx * offset.x + dy * offset.y,
+                    self.forward,
+                    [dx, dy],
+                    [DVec3::ZERO; 2],
+                )
+            }
+        }
+    }
+
+    /// The ray basis of the tile whose reference point is `pixel`; the origin is moved along the reference ray to where
+    /// it enters the box around the cloth (`z_range_mm` high), so that f32 offsets from it stay small.
+    pub fn ray_tile(
+        &self,
+        pixel: DVec2,
+        size: [u32; 2],
+        sheet: &SheetGeometry,
+        z_range_mm: [f64; 2],
+        margin_mm: f64,
+    ) -> RayTile {
+        let (eye, direction, [origin_dx, origin_dy], [direction_dx, direction_dy]) =
+            self.basis(pixel, size);
+        let half = DVec2::new(
+            f64::from(sheet.warps) * sheet.pitch_x_mm,
+            f64::from(sheet.wefts) * sheet.pitch_y_mm,
+        ) / 2.0
+            + margin_mm;
+        let low = DVec3::new(-half.x, -half.y, z_range_mm[0]);
+        let high = DVec3::new(half.x, half.y, z_range_mm[1]);
+        let depth_offset = entry(eye, direction, low, high);
+        let origin = eye + direction * depth_offset;
+        let cell_of = |x: f64, pitch: f64, count: u32| {
+            (x / pitch + f64::from(count) / 2.0)
+                .floor()
+                .clamp(-1.0, f64::from(count)) as i32
+        };
+        let cell = [
+            cell_of(origin.x, sheet.pitch_x_mm, sheet.warps),
+            cell_of(origin.y, sheet.pitch_y_mm, sheet.wefts),
+        ];
+        let [cx, cy] = sheet.cell_centre(i64::from(cell[0]), i64::from(cell[1]));
+        RayTile {
+            cell,
+            origin: origin - DVec3::new(cx, cy, 0.0),
+            origin_dx: origin_dx + direction_dx * depth_offset,
+            origin_dy: origin_dy + direction_dy * depth_offset,
+            direction,
+            direction_dx,
+            direction_dy,
+            depth_offset,
+        }
+    }
+}
+
+/// Parameter at which a ray enters a box, or passes nearest to its middle if it misses; at least 0.
+fn entry(origin: DVec3, direction: DVec3, low: DVec3, high: DVec3) -> f64 {
+    let (mut enter, mut leave) = (0.0_f64, f64::INFINITY);
+    for axis in 0..3 {
+        let (o, d) = (origin[axis], direction[axis]);
+        if d != 0.0 {
+            let (a, b) = ((low[axis] - o) / d, (high[axis] - o) / d);
+            (enter, leave) = (enter.max(a.min(b)), leave.min(a.max(b)));
+        } else if o < low[axis] || o > high[axis] {
+            leave = f64::NEG_INFINITY;
+        }
+    }
+    if enter <= leave {
+        enter
+    } else {
+        ((low + high) / 2.0 - origin).dot(direction).max(0.0) / direction.length_squared()
+    }
+}

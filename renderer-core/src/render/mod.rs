@@ -1,0 +1,193 @@
+//! What all backends share: the request, its camera, progress, counters, and the rule that chooses a backend.
+//!
+//! A backend is given a [`RenderRequest`], adds samples to an accumulation slice by slice, and shows their mean at any
+//! time. If a request differs from the last, accumulation starts again. Display settings (exposure, tone map) are not
+//! part of it.
+
+mod camera;
+
+pub use camera::{Camera, Projection, RayTile};
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+use crate::design::{Method, Quality};
+use crate::image::Picture;
+use crate::scene::Scene;
+
+/// Largest side of a picture, pixels.
+pub const MAX_SIDE: u32 = 16_384;
+
+/// One picture to make.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RenderRequest {
+    /// The cloth and its light.
+    pub scene: Arc<Scene>,
+    /// From where it is seen.
+    pub camera: Camera,
+    /// Width and height of the whole picture, pixels.
+    pub size: [u32; 2],
+    /// The part to make: x, y, width, height, pixels from the top left; the picture returned has this size.
+    pub crop: [u32; 4],
+    /// How.
+    pub settings: Settings,
+}
+
+/// How a picture is made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// How the first segment of a path and its shadow rays gather light.
+    pub method: Method,
+    /// Most scatterings of a path, 1 to 64.
+    pub bounces: u32,
+    /// Samples a pixel at which the picture is done.
+    pub samples: u32,
+    /// Estimated relative error at which the picture is done; 0 never stops early.
+    pub error: f64,
+    /// Seed of all random numbers.
+    pub seed: u32,
+    /// Also accumulate depth, normal and albedo of the first scattering.
+    pub aov: bool,
+    /// Count rays, cells, patch tests and so on; costs time.
+    pub counters: bool,
+}
+
+impl From<&Quality> for Settings {
+    fn from(quality: &Quality) -> Self {
+        let Quality {
+            method,
+            bounces,
+            samples,
+            error,
+            seed,
+        } = *quality;
+        Self {
+            method,
+            bounces,
+            samples,
+            error,
+            seed,
+            aov: false,
+            counters: false,
+        }
+    }
+}
+
+/// Where a picture stands.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Progress {
+    /// Whole samples of every pixel so far. While 0, [`Backend::picture`] may be coarse.
+    pub samples: u32,
+    /// Estimated relRMSE (MODEL.md §11) of the mean so far, from the spread of four independent scrambles; `None` below 4 samples.
+    pub error_estimate: Option<f64>,
+    /// True when nothing is left to do.
+    pub done: bool,
+}
+
+/// Work done since [`Backend::begin`], counted only when asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Counters {
+    /// Camera and bounce rays.
+    pub rays: u64,
+    /// Rays towards lights.
+    pub shadow_rays: u64,
+    /// Cells walked through by rays of both kinds.
+    pub cells: u64,
+    /// Ray–loop solves and point inversions.
+    pub patch_tests: u64,
+    /// Densities read from loop volumes.
+    pub volume_samples: u64,
+    /// Loops or points that took light away.
+    pub contributing_hits: u64,
+    /// Tiles not rendered because nothing can be seen in them.
+    pub skipped_tiles: u64,
+}
+
+/// Why a backend cannot do what it was asked.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// No adapter at all, or none that can compute.
+    #[error(
+        "no GPU adapter: {0}; install a Vulkan driver (on Debian and Ubuntu: mesa-vulkan-drivers) or use --backend cpu"
+    )]
+    NoAdapter(String),
+    /// The request is beyond what the adapter can do.
+    #[error(
+        "{what} is {value}, but {adapter} allows at most {limit}; use a smaller one or --backend cpu"
+    )]
+    BeyondAdapter {
+        /// What is too large.
+        what: &'static str,
+        /// How large it is.
+        value: u64,
+        /// How large it may be.
+        limit: u64,
+        /// The adapter's name.
+        adapter: String,
+    },
+    /// The size of the picture or of its crop is not allowed.
+    #[error("{0}")]
+    Size(String),
+    /// The device was lost or ran out of memory.
+    #[error("the GPU stopped: {0}")]
+    Device(String),
+}
+
+/// A renderer: GPU, CPU or reference.
+pub trait Backend: Send {
+    /// Which one it is.
+    fn kind(&self) -> BackendKind;
+
+    /// Name of the adapter or processor, for the status bar and --stats.
+    fn device_name(&self) -> String;
+
+    /// Starts `request` from nothing unless it equals the one in work; then only targets may grow.
+    ///
+    /// # Errors
+    /// When the request is beyond the device.
+    fn begin(&mut self, request: &RenderRequest) -> Result<(), RenderError>;
+
+    /// Works for about `slice`, or until done or `cancel` is true.
+    ///
+    /// # Errors
+    /// When the device fails.
+    fn advance(&mut self, slice: Duration, cancel: &AtomicBool) -> Result<Progress, RenderError>;
+
+    /// The mean of the samples so far, of the crop's size. Pixels that have no sample yet show the nearest that has.
+    ///
+    /// # Errors
+    /// When the device fails.
+    fn picture(&mut self) -> Result<Picture, RenderError>;
+
+    /// Work done so far; zeros unless the request asked for counting.
+    ///
+    /// # Errors
+    /// When the device fails.
+    fn counters(&mut self) -> Result<Counters, RenderError>;
+
+    /// Bytes held on the device for scene and accumulation.
+    fn device_bytes(&self) -> u64;
+}
+
+/// Which renderer to use.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum BackendKind {
+    /// wgpu compute.
+    Gpu,
+    /// All processor cores.
+    Cpu,
+    /// Plain scalar f64, one core.
+    Reference,
+}
+
+impl BackendKind {
+    /// Name on the command line and in the status bar.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Gpu => "gpu",
+            Self::Cpu => "cpu",
+            Self::Reference => "reference",
+        }
+    }
+}

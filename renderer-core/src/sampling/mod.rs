@@ -1,0 +1,143 @@
+//! Random numbers: an integer hash, Owen-scrambled Sobol points, and a small generator. Bit-equal on CPU and GPU
+//! (WGSL twin: shaders/sampling.wgsl); 32-bit integer arithmetic only, all wrapping.
+//!
+//! Sobol dimensions beyond four are padded: every set of four dimensions has its own nested-uniform shuffle of the
+//! index (Burley, "Practical Hash-based Owen Scrambling", JCGT 2020). Sample k of a picture belongs to scramble
+//! k mod 4, point k div 4 of it: four independent estimates whose spread is the error estimate (MODEL.md §10).
+//!
+//! Which set serves what ([`Set`]): set 0 places the ray; every scattering has its own sets for each light and for
+//! the way on. Free paths of `tracked` come from [`Pcg`], since their number has no bound.
+
+/// Scrambles of every picture.
+pub const SCRAMBLES: u32 = 4;
+
+/// What a set of four dimensions is for; its number goes into the hash.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Set {
+    /// x and y in the pixel, then the transmittance at which the camera ray's event is chosen (1 − value), then spare.
+    Film,
+    /// x and y on the disc of sun `sun`, at scattering `bounce` (1 is the first).
+    Sun {
+        /// Which scattering, from 1.
+        bounce: u32,
+        /// Which sun, from 0, below 8.
+        sun: u32,
+    },
+    /// Direction towards the environment (two dimensions), at the first scattering of `single` and `layered`.
+    Environment {
+        /// Which scattering, from 1.
+        bounce: u32,
+    },
+    /// Direction of the path after scattering `bounce` (two dimensions), then Russian roulette, then spare.
+    Onward {
+        /// Which scattering, from 1.
+        bounce: u32,
+    },
+}
+
+impl Set {
+    /// The set's number: 0 for the film, 16·bounce + purpose for the others.
+    pub fn number(self) -> u32 {
+        match self {
+            Self::Film => 0,
+            Self::Sun { bounce, sun } => 16 * bounce + sun,
+            Self::Environment { bounce } => 16 * bounce + 8,
+            Self::Onward { bounce } => 16 * bounce + 9,
+        }
+    }
+}
+
+/// A bijective 32-bit mixer (the "lowbias32" family of C. Wellons, constants found by exhaustive search).
+pub fn hash(mut x: u32) -> u32 {
+    x ^= x >> 16;
+    x = x.wrapping_mul(0x21f0_aaad);
+    x ^= x >> 15;
+    x = x.wrapping_mul(0xd35a_2d97);
+    x ^ (x >> 15)
+}
+
+/// Hash of a seed and a value; not symmetric.
+pub fn hash_with(seed: u32, value: u32) -> u32 {
+    hash(seed.wrapping_mul(0x9e37_79b9) ^ hash(value.wrapping_add(0x85eb_ca6b)))
+}
+
+/// Seed of a pixel, from the picture's seed and the pixel's place in the whole picture (not in a crop).
+pub fn pixel_seed(seed: u32, pixel: [u32; 2]) -> u32 {
+    hash_with(hash_with(hash(seed), pixel[0]), pixel[1])
+}
+
+/// Owen scramble in base 2: a random flip of every bit that depends on all higher bits.
+pub fn owen_scramble(x: u32, seed: u32) -> u32 {
+    // Laine and Karras' hash on reversed bits, with the constants of N. Vegdahl's search.
+    let mut x = x.reverse_bits();
+    x ^= x.wrapping_mul(0x3d20_adea);
+    x = x.wrapping_add(seed);
+    x = x.wrapping_mul((seed >> 16) | 1);
+    x ^= x.wrapping_mul(0x0552_6c56);
+    x ^= x.wrapping_mul(0x53a2_2864);
+    x.reverse_bits()
+}
+
+/// The first four Sobol dimensions of point `index`. Direction numbers (Joe and Kuo) are made on the way from the
+/// primitive polynomials 1, x+1, x²+x+1, x³+x+1 with initial numbers (–), (1), (1, 3), (1, 3, 1).
+pub fn sobol(index: u32) -> [u32; 4] {
+    const TOP: u32 = 1 << 31;
+    let mut point = [0; 4];
+    let mut v0 = TOP;
+    let mut v1 = TOP;
+    let (mut v2, mut v2_next) = (TOP, 3 << 30);
+    let (mut v3, mut v3_next, mut v3_after): (u32, u32, u32) = (TOP, 3 << 30, 1 << 29);
+    let mut rest = index;
+    while rest != 0 {
+        if rest & 1 == 1 {
+            point[0] ^= v0;
+            point[1] ^= v1;
+            point[2] ^= v2;
+            point[3] ^= v3;
+        }
+        v0 >>= 1;
+        v1 ^= v1 >> 1;
+        (v2, v2_next) = (v2_next, v2_next ^ v2 ^ (v2 >> 2));
+        (v3, v3_next, v3_after) = (v3_next, v3_after, v3_next ^ v3 ^ (v3 >> 3));
+        rest >>= 1;
+    }
+    point
+}
+
+/// The four numbers in [0, 2³²) of a set, for sample `sample` of the pixel with seed `pixel_seed`.
+pub fn sample_bits(pixel_seed: u32, sample: u32, set: Set) -> [u32; 4] {
+    let seed = hash_with(hash_with(pixel_seed, sample % SCRAMBLES), set.number());
+    let mut point = sobol(owen_scramble(sample / SCRAMBLES, seed));
+    for (dimension, value) in point.iter_mut().enumerate() {
+        *value = owen_scramble(*value, hash_with(seed, 1 + dimension as u32));
+    }
+    point
+}
+
+/// The same as [`sample_bits`], as numbers in [0, 1).
+pub fn sample(pixel_seed: u32, sample_index: u32, set: Set) -> [f32; 4] {
+    sample_bits(pixel_seed, sample_index, set).map(unit_float)
+}
+
+/// 24 high bits as a number in [0, 1), exact in f32.
+pub fn unit_float(bits: u32) -> f32 {
+    (bits >> 8) as f32 * (1.0 / 16_777_216.0)
+}
+
+/// A small generator for sequences without a bound (PCG RXS-M-XS 32, O'Neill 2014).
+#[derive(Debug, Clone, Copy)]
+pub struct Pcg(u32);
+
+impl Pcg {
+    /// The generator for free paths of sample `sample` of a pixel.
+    pub fn new(pixel_seed: u32, sample: u32) -> Self {
+        Self(hash_with(pixel_seed ^ 0x7a3c_91e5, sample))
+    }
+
+    /// The next number in [0, 1).
+    pub fn next_float(&mut self) -> f32 {
+        self.0 = self.0.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+        let word = ((self.0 >> ((self.0 >> 28) + 4)) ^ self.0).wrapping_mul(277_803_737);
+        unit_float((word >> 22) ^ word)
+    }
+}

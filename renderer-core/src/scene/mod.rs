@@ -1,0 +1,13 @@
+//! Scene: a design resolved into what a renderer draws, in millimetres, radians and linear light.
+//!
+//! [`compile`] carries out steps 1 and 2 of the paper's §6: the skeleton with its stitch plan, and the yarn loop
+//! frames. Every part is a [`Section`]; a part whose inputs did not change keeps its `Arc`, and with it the GPU
+//! buffer made from it. All backends read the same records: [`LoopShape`], [`LoopLook`], [`CellHeader`],
+//! [`CellEntry`] and the voxels of [`Volumes`] are the scene, whatever precision a backend computes with.
+//!
+//! Geometry of a loop is relative to the centre of its own cell, so that a carpet 10⁵ cells wide looks the same in
+//! its last cell as in its first.
+
+mod types;
+
+pub use types::*;

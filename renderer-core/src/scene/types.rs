@@ -1,0 +1,335 @@
+//! The records a scene is made of.
+
+use std::ops::Deref;
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::design::{Interpolation, Phase, PileKind, SkeletonHeight};
+
+/// A part of a scene. Equality is identity: an unchanged part is the same `Arc`.
+#[derive(Debug)]
+pub struct Section<T>(Arc<T>);
+
+impl<T> Section<T> {
+    /// A new part, different from all others.
+    pub fn new(value: T) -> Self {
+        Self(Arc::new(value))
+    }
+}
+
+impl<T> Clone for Section<T> {
+    fn clone(&self) -> Self {
+        Self(Arc::clone(&self.0))
+    }
+}
+
+impl<T> PartialEq for Section<T> {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+impl<T> Deref for Section<T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        &self.0
+    }
+}
+
+/// Everything a renderer needs to know about the cloth and its light.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    /// Size of the sheet and of its cells.
+    pub sheet: Section<SheetGeometry>,
+    /// Shape of every loop, and which loops each cell holds.
+    pub loops: Section<Loops>,
+    /// Colour, variant and material of every loop, in the order of [`Loops::shapes`].
+    pub looks: Section<Vec<LoopLook>>,
+    /// Voxels inside the loops.
+    pub volumes: Section<Volumes>,
+    /// How a point of the pile scatters, and what materials there are.
+    pub pile: Section<PileOptics>,
+    /// The ground weave.
+    pub skeleton: Section<Skeleton>,
+    /// Lights and background.
+    pub lights: Section<Lights>,
+}
+
+/// Size of the sheet (MODEL.md §1).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SheetGeometry {
+    /// Cells along the weft (x).
+    pub warps: u32,
+    /// Cells along the warp (y).
+    pub wefts: u32,
+    /// Size of a cell along x, mm.
+    pub pitch_x_mm: f64,
+    /// Size of a cell along y, mm.
+    pub pitch_y_mm: f64,
+}
+
+impl SheetGeometry {
+    /// Centre of cell (i, j) in world space, mm; cells outside the sheet continue the grid.
+    pub fn cell_centre(&self, i: i64, j: i64) -> [f64; 2] {
+        [
+            (i as f64 + 0.5 - f64::from(self.warps) / 2.0) * self.pitch_x_mm,
+            (j as f64 + 0.5 - f64::from(self.wefts) / 2.0) * self.pitch_y_mm,
+        ]
+    }
+}
+
+/// The bilinear patch of one loop, relative to its cell's centre (x, y) and the sheet's plane (z), mm. 32 bytes.
+///
+/// MODEL.md §4: P0 = (0, −w₀/2, `root_z`[0]), P1 = (0, +w₀/2, `root_z`[1]); with the axis C′ = L·d and the half top
+/// edge e, the top corners are P3 = ½(P0+P1) + C′ − e and P2 = ½(P0+P1) + C′ + e. Hence B = P1−P0, A = 2e − B, and in
+/// the middle of the patch b = ∂P/∂u = ½B + e, c = ∂P/∂v = C′. The thickness direction is n̂ = (b × c)/|b × c|.
+/// w₀ is [`Loops::base_width_mm`]. Loops of the back face have root heights and an axis below the sheet.
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct LoopShape {
+    /// C′: from the middle of the root to the middle of the top edge, mm.
+    pub axis: [f32; 3],
+    /// World height of P0, mm.
+    pub root_z0: f32,
+    /// e: from the middle of the top edge to P2, mm.
+    pub half_top: [f32; 3],
+    /// World height of P1, mm.
+    pub root_z1: f32,
+}
+
+/// Colour and kind of one loop. 8 bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct LoopLook {
+    /// Single-scatter albedo of red, green and blue, 65535 = 1.
+    pub albedo: [u16; 3],
+    /// Which volume of its kind: below [`Volumes::variants`].
+    pub variant: u8,
+    /// Index into [`PileOptics::materials`].
+    pub material: u8,
+}
+
+impl LoopLook {
+    /// Single-scatter albedo in [0, 1].
+    pub fn albedo(&self) -> [f64; 3] {
+        self.albedo.map(|a| f64::from(a) / 65535.0)
+    }
+}
+
+/// One cell of the grid. 16 bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct CellHeader {
+    /// Index of the cell's first entry in [`Loops::entries`].
+    pub entries_start: u32,
+    /// Number of entries.
+    pub entries_count: u32,
+    /// Index in [`Loops::shapes`] of the first loop planted here (a second one follows it where both faces have loops).
+    /// Meaningful only where a loop is planted here.
+    pub first_loop: u32,
+    /// Lowest (low 16 bits, i16) and highest (high 16 bits, i16) point of any loop inside this cell, in units of
+    /// [`Loops::height_unit_mm`], rounded outwards. Lowest above highest means that no loop reaches the cell.
+    pub z_range: u32,
+}
+
+impl CellHeader {
+    /// Lowest and highest point of any loop in the cell, in height units.
+    pub fn z_units(&self) -> [i16; 2] {
+        [
+            self.z_range as u16 as i16,
+            (self.z_range >> 16) as u16 as i16,
+        ]
+    }
+}
+
+/// One loop that reaches into a cell. 4 bytes, from the lowest bit:
+/// `di` (8 bits, signed) and `dj` (7 bits, signed): the loop's own cell minus this cell; `second` (1 bit): the loop is
+/// the second one of its cell; `z0`, `z1` (8 bits each): lowest and highest point of the loop's part inside this cell,
+/// in 255ths of the cell's own height range, rounded outwards.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+#[repr(transparent)]
+pub struct CellEntry(pub u32);
+
+impl CellEntry {
+    /// Packs an entry; `di` must be in −128..=127, `dj` in −64..=63.
+    pub fn new(di: i32, dj: i32, second: bool, z0: u8, z1: u8) -> Self {
+        debug_assert!((-128..=127).contains(&di) && (-64..=63).contains(&dj));
+        let (di, dj) = (di as u32 & 0xff, dj as u32 & 0x7f);
+        Self(di | dj << 8 | u32::from(second) << 15 | u32::from(z0) << 16 | u32::from(z1) << 24)
+    }
+
+    /// The loop's own cell minus the cell that lists it.
+    pub fn cell_offset(self) -> [i32; 2] {
+        [(self.0 << 24) as i32 >> 24, (self.0 << 17) as i32 >> 25]
+    }
+
+    /// 1 if the loop is the second one of its cell, else 0.
+    pub fn slot(self) -> u32 {
+        self.0 >> 15 & 1
+    }
+
+    /// Lowest and highest point in 255ths of the cell's height range.
+    pub fn z_steps(self) -> [u32; 2] {
+        [self.0 >> 16 & 0xff, self.0 >> 24]
+    }
+}
+
+/// Shapes of all loops and the grid that finds them.
+///
+/// The grid has a margin of [`Self::margin`] cells around the sheet, for loops that hang over its edge: header index
+/// of cell (i, j) = (j + margin_y)·(warps + 2·margin_x) + i + margin_x.
+#[derive(Debug, Clone)]
+pub struct Loops {
+    /// One shape a loop, ordered by cell (row by row), front before back.
+    pub shapes: Vec<LoopShape>,
+    /// One header a cell, margin included, row by row.
+    pub headers: Vec<CellHeader>,
+    /// Lists of all cells, one behind the other.
+    pub entries: Vec<CellEntry>,
+    /// Width of the grid's margin in cells, along x and y.
+    pub margin: [u32; 2],
+    /// Width of all patches at their roots, w₀, mm.
+    pub base_width_mm: f32,
+    /// Thickness of all patches along n̂, mm.
+    pub thickness_mm: f32,
+    /// Unit of [`CellHeader::z_range`], mm.
+    pub height_unit_mm: f32,
+    /// Lowest and highest point of any loop, mm; [0, 0] when there are none.
+    pub z_range_mm: [f32; 2],
+    /// What compile had to do to some loops.
+    pub counts: LoopCounts,
+}
+
+impl Loops {
+    /// Cells of the grid along x and y, margin included.
+    pub fn grid_size(&self, sheet: &SheetGeometry) -> [u32; 2] {
+        [
+            sheet.warps + 2 * self.margin[0],
+            sheet.wefts + 2 * self.margin[1],
+        ]
+    }
+
+    /// Bytes of loop shapes, looks, lists and bounds for each loop; 0 when there are none.
+    pub fn bytes_per_loop(&self) -> f64 {
+        let bytes = size_of_val(&*self.shapes)
+            + size_of_val(&*self.headers)
+            + size_of_val(&*self.entries)
+            + self.shapes.len() * size_of::<LoopLook>();
+        if self.shapes.is_empty() {
+            0.0
+        } else {
+            bytes as f64 / self.shapes.len() as f64
+        }
+    }
+}
+
+/// How many loops stand, and how many were changed to keep the geometry sound (MODEL.md §4).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct LoopCounts {
+    /// Loops in the scene.
+    pub planted: u64,
+    /// Loops left out because their patch was degenerate (|b × c| < 10⁻³·w₀·L).
+    pub dropped: u64,
+    /// Loops whose top width was moved towards the root width to keep the patch convex.
+    pub repaired: u64,
+    /// Loops whose lean was reduced to keep their top above the sheet.
+    pub raised: u64,
+    /// Loops shortened to `max_length`.
+    pub capped: u64,
+}
+
+/// The voxels inside loops (MODEL.md §5): (kind, variant) volumes of `layers` × `resolution`² voxels.
+///
+/// Voxel (a, b) of layer l of variant v of kind k has index
+/// (((k·variants + v)·layers + l)·resolution + b)·resolution + a; a runs along u, b along v.
+#[derive(Debug, Clone)]
+pub struct Volumes {
+    /// Voxels along u and along v.
+    pub resolution: u32,
+    /// Layers across the thickness.
+    pub layers: u32,
+    /// Volumes of each kind.
+    pub variants: u32,
+    /// The kinds of pile present, in volume order.
+    pub kinds: Vec<PileKind>,
+    /// Blend between layers.
+    pub interpolation: Interpolation,
+    /// Share of the loop from its root over which density fades in: ρ is multiplied by smoothstep(0, `root_blend`, v).
+    pub root_blend: f32,
+    /// Density ρ and ρ·shade of each voxel, 255 = 1.
+    pub voxels: Vec<[u8; 2]>,
+    /// ρ·ttᵀ of each voxel as (xx, yy, zz, xy, xz, yz, 0, 0), 127 = 1, t the fibre's unit tangent in the loop's
+    /// reference frame (u, v, w axes in mm at the reference size). Empty unless the phase function needs it.
+    pub tangents: Vec<[i8; 8]>,
+    /// Size of the reference loop along u, v, w, mm: t in (u, v, w) is t_mm / this.
+    pub reference_size_mm: [f32; 3],
+}
+
+/// One kind of yarn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Material {
+    /// Extinction of solid yarn (ρ = 1), 1/mm.
+    pub density_per_mm: f32,
+    /// Index into [`Volumes::kinds`].
+    pub kind: u32,
+}
+
+/// How the pile scatters (MODEL.md §8).
+#[derive(Debug, Clone, PartialEq)]
+pub struct PileOptics {
+    /// Phase function of all loops.
+    pub phase: Phase,
+    /// k of `frame_lambert`: share of light let through.
+    pub transmission: f32,
+    /// s of `kajiya_kay`: share of light in the highlight.
+    pub specular: f32,
+    /// p of `kajiya_kay`: sharpness of the highlight.
+    pub exponent: f32,
+    /// Materials that loops refer to; the first is the pile's own. At most 65.
+    pub materials: Vec<Material>,
+}
+
+/// The ground weave (MODEL.md §7).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Skeleton {
+    /// Radius of the warps, mm.
+    pub warp_radius_mm: f32,
+    /// Radius of the wefts, mm.
+    pub weft_radius_mm: f32,
+    /// H: how far yarns rise and sink, mm.
+    pub crimp_mm: f32,
+    /// How height follows over and under.
+    pub height: SkeletonHeight,
+    /// Diffuse albedo, linear.
+    pub albedo: [f32; 3],
+    /// Whether rays meet it.
+    pub visible: bool,
+    /// Repeat of the stitch pattern along x and y, cells.
+    pub repeat: [u32; 2],
+    /// For each cell of the repeat, row by row: whether the warp lies over the weft.
+    pub warp_over: Vec<bool>,
+}
+
+/// A sun.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SunLight {
+    /// Unit vector towards the sun's centre, world space.
+    pub direction: [f64; 3],
+    /// Half the apparent diameter, radians.
+    pub angular_radius: f64,
+    /// Irradiance on a plane that faces the sun, linear RGB.
+    pub irradiance: [f64; 3],
+}
+
+/// Lights and background.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lights {
+    /// Suns, at most 8.
+    pub suns: Vec<SunLight>,
+    /// Radiance of the constant environment, linear RGB.
+    pub environment: [f64; 3],
+    /// What the camera sees where there is no cloth, linear RGB; it gives no light.
+    pub background: [f64; 3],
+}

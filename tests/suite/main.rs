@@ -1,0 +1,21 @@
+//! The one test binary: a module a concern.
+
+mod cli;
+mod designer;
+mod frames;
+mod geometry;
+mod gpu_vs_cpu;
+mod layout;
+mod metrics;
+mod presets;
+mod probes;
+mod reference;
+mod sampling;
+mod shaders;
+mod skeleton;
+mod turbulence;
+mod volumes;
+mod window;
+
+#[path = "../support/mod.rs"]
+mod support;

@@ -1,0 +1,1 @@
+//! Headless device, small scenes and comparators for the suite.

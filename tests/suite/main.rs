@@ -1,5 +1,10 @@
 //! The one test binary: a module a concern.
 
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test that cannot go on fails, and says where"
+)]
+
 mod cli;
 mod designer;
 mod frames;

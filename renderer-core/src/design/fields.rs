@@ -1,7 +1,7 @@
 //! What the program knows about every number a user can edit: unit, range, default and what it does to the cloth.
 //!
 //! The `section!` macro declares a part of a [`Design`](super::Design) once; serde, `Default`, validation, the
-//! sliders of the designer and the README's reference all read that one declaration.
+//! sliders of the designer, preset files and the README's reference all read that one declaration.
 
 use std::fmt;
 
@@ -100,7 +100,7 @@ macro_rules! section {
                 $( $(#[doc = $doc:literal])+ $number:ident: $type:ty = $default:expr, $min:literal ..= $max:literal, $unit:literal; )*
             }
             others {
-                $( $(#[$other_meta:meta])+ $other:ident: $other_type:ty = $other_default:expr; )*
+                $( $(#[doc = $other_doc:literal])+ $(#[serde($($serde:tt)+)])? $other:ident: $other_type:ty = $other_default:expr; )*
             }
         }
     ) => {
@@ -109,7 +109,7 @@ macro_rules! section {
         #[serde(default, deny_unknown_fields)]
         pub struct $name {
             $( $(#[doc = $doc])+ pub $number: $type, )*
-            $( $(#[$other_meta])+ pub $other: $other_type, )*
+            $( $(#[doc = $other_doc])+ $(#[serde($($serde)+)])? pub $other: $other_type, )*
         }
 
         impl Default for $name {
@@ -134,15 +134,31 @@ macro_rules! section {
                     min: $min as f64,
                     max: $max as f64,
                     integer: <$type as $crate::design::fields::IsInteger>::INTEGER,
-                    what: concat!($($doc),+),
+                    what: concat!($($doc),+).trim_ascii(),
                 }, )*
             };
         }
 
         impl $crate::design::Numbers for $name {
             fn numbers(&self) -> Vec<(&'static $crate::design::Field, f64)> {
-                static FIELDS: $fields = $name::FIELDS;
-                vec![ $( (&FIELDS.$number, self.$number as f64), )* ]
+                vec![ $( (&Self::FIELDS.$number, self.$number as f64), )* ]
+            }
+        }
+
+        impl $crate::design::Shaped for $name {
+            fn shape() -> $crate::design::Shape {
+                $crate::design::Shape::table(vec![
+                    $( $crate::design::Entry {
+                        name: stringify!($number),
+                        what: Self::FIELDS.$number.what,
+                        shape: $crate::design::Shape::Number(Self::FIELDS.$number),
+                    }, )*
+                    $( $crate::design::Entry {
+                        name: stringify!($other),
+                        what: concat!($($other_doc),+).trim_ascii(),
+                        shape: <$other_type as $crate::design::Shaped>::shape(),
+                    }, )*
+                ])
             }
         }
     };

@@ -9,12 +9,14 @@ mod fields;
 mod pattern;
 pub mod preset;
 mod sections;
+mod shape;
 
 pub use chart_image::{ChartImage, TILE};
 pub use colour::{Colour, linear_to_srgb, srgb_to_linear};
 pub use fields::{Fault, Field, Numbers};
 pub use pattern::{Pattern, STITCHES, Stitch};
 pub use sections::*;
+pub use shape::{Entry, Shape, Shaped};
 
 use serde::{Deserialize, Serialize};
 
@@ -47,9 +49,46 @@ pub struct Design {
     pub quality: Quality,
 }
 
+impl Shaped for Design {
+    fn shape() -> Shape {
+        let section = |name, what, shape| Entry { name, what, shape };
+        Shape::table(vec![
+            section("sheet", "Size of the ground weave.", Sheet::shape()),
+            section("weave", "Stitch pattern.", Weave::shape()),
+            section("chart", "Chart image: colour of each loop.", Chart::shape()),
+            section("length", "Length of each loop.", Length::shape()),
+            section(
+                "pile",
+                "The yarn loops and the volume inside them.",
+                Pile::shape(),
+            ),
+            section(
+                "turbulence",
+                "The smooth disorder of the loops.",
+                Turbulence::shape(),
+            ),
+            section(
+                "skeleton",
+                "The ground weave's yarns.",
+                SkeletonDesign::shape(),
+            ),
+            section("light", "Lights and background.", Light::shape()),
+            section("view", "Cameras and display.", View::shape()),
+            section("quality", "How a final picture is made.", Quality::shape()),
+        ])
+    }
+}
+
 impl Design {
     /// Every value that is not allowed; empty for a design that compiles.
     pub fn faults(&self) -> Vec<Fault> {
+        let mut faults = self.value_faults();
+        self.push_relation_faults(&mut faults);
+        faults
+    }
+
+    /// Faults of single values.
+    fn value_faults(&self) -> Vec<Fault> {
         let mut faults = Vec::new();
         self.sheet.push_range_faults("sheet", &mut faults);
         self.weave.pattern.push_faults("weave.pattern", &mut faults);
@@ -60,7 +99,6 @@ impl Design {
         self.light.push_faults(&mut faults);
         self.view.push_faults(&mut faults);
         self.quality.push_range_faults("quality", &mut faults);
-        self.push_relation_faults(&mut faults);
         faults
     }
 

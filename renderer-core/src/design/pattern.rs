@@ -7,6 +7,9 @@ use super::Fault;
 /// Values a pattern cell may have.
 pub const STITCHES: [u8; 5] = [0, 1, 7, 8, 9];
 
+/// [`STITCHES`] in words.
+pub(super) const ALLOWED_STITCHES: &str = "0 (weft over), 1 (warp over), 7 (loop on the front), 8 (loop on the back) or 9 (loops on both)";
+
 /// What one value of the pattern means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Stitch {
@@ -108,9 +111,7 @@ impl Pattern {
                 faults.push(Fault {
                     path: format!("{path}[{}][{}]", index / self.cols, index % self.cols),
                     value: value.to_string(),
-                    allowed:
-                        "0 (weft over), 1 (warp over), 7 (loop on the front), 8 (loop on the back) or 9 (loops on both)"
-                            .into(),
+                    allowed: ALLOWED_STITCHES.into(),
                 });
             }
         }

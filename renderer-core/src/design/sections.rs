@@ -6,7 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::fields::{Fault, Numbers, section};
-use super::{ChartImage, Colour, Pattern};
+use super::{ChartImage, Colour, Pattern, Shape, Shaped};
 
 section! {
     /// Size of the ground weave (MODEL.md §1).
@@ -42,6 +42,18 @@ impl Sheet {
     }
 }
 
+/// `FrameLambert` as `frame_lambert`: what serde's `rename_all` makes of a variant's name.
+fn snake_case(variant: &str) -> String {
+    let mut name = String::new();
+    for c in variant.chars() {
+        if c.is_ascii_uppercase() && !name.is_empty() {
+            name.push('_');
+        }
+        name.push(c.to_ascii_lowercase());
+    }
+    name
+}
+
 /// Declares an enum whose variants are written in files in lower case with underscores, and listed for menus.
 macro_rules! choice {
     ($(#[$meta:meta])* $name:ident { $( $(#[doc = $doc:literal])+ $variant:ident = $label:literal, )+ }) => {
@@ -61,7 +73,18 @@ macro_rules! choice {
 
             /// What this choice does to the cloth or the picture.
             pub fn what(self) -> &'static str {
-                match self { $(Self::$variant => concat!($($doc),+),)+ }
+                match self { $(Self::$variant => concat!($($doc),+).trim_ascii(),)+ }
+            }
+
+            /// How preset files and the command line write this choice.
+            pub fn name(self) -> String {
+                snake_case(match self { $(Self::$variant => stringify!($variant),)+ })
+            }
+        }
+
+        impl Shaped for $name {
+            fn shape() -> Shape {
+                Shape::Choice(Self::ALL.iter().map(|choice| (choice.name(), choice.what())).collect())
             }
         }
     };
@@ -79,26 +102,25 @@ choice! {
     }
 }
 
-/// The stitch pattern and what it means for the back.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Weave {
-    /// The repeat: 0 weft over, 1 warp over, 7 loop on the front, 8 on the back, 9 on both. Row 0 is the near edge.
-    pub pattern: Pattern,
-    /// What stands on the back.
-    pub back: Back,
-}
-
-impl Default for Weave {
-    fn default() -> Self {
-        let mut pattern = Pattern::filled(2, 2, 0);
-        pattern.set(0, 0, 7);
-        pattern.set(1, 1, 7);
-        Self {
-            pattern,
-            back: Back::Mirror,
+section! {
+    /// The stitch pattern and what it means for the back.
+    Weave, WeaveFields {
+        numbers {}
+        others {
+            /// The repeat: 0 weft over, 1 warp over, 7 loop on the front, 8 on the back, 9 on both. Row 0 is the near edge.
+            pattern: Pattern = terry_checker();
+            /// What stands on the back.
+            back: Back = Back::Mirror;
         }
     }
+}
+
+/// Loops on every second crossing, alternate rows shifted by one.
+fn terry_checker() -> Pattern {
+    let mut pattern = Pattern::filled(2, 2, 0);
+    pattern.set(0, 0, 7);
+    pattern.set(1, 1, 7);
+    pattern
 }
 
 choice! {
@@ -111,39 +133,27 @@ choice! {
     }
 }
 
-/// The chart image: colour of each loop (and through [`Length`] its length and material).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Chart {
-    /// Path of the image, relative to the preset; no image means one colour.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub image: Option<String>,
-    /// How texels are laid over the cells.
-    pub fit: Fit,
-    /// When tiling: every second repeat along the weft is mirrored.
-    pub mirror_x: bool,
-    /// When tiling: every second repeat along the warp is mirrored.
-    pub mirror_y: bool,
-    /// When tiling: every second column of repeats is shifted by half a repeat.
-    pub half_drop: bool,
-    /// Colour of all loops where there is no image.
-    pub colour: Colour,
-    /// The decoded image; read and written by the program's file layer, never by serde.
-    #[serde(skip)]
-    pub pixels: Option<ChartImage>,
-}
-
-impl Default for Chart {
-    fn default() -> Self {
-        let colour = Colour::WHITE;
-        Self {
-            image: None,
-            fit: Fit::Stretch,
-            mirror_x: false,
-            mirror_y: false,
-            half_drop: false,
-            colour,
-            pixels: None,
+section! {
+    /// The chart image: colour of each loop (and through [`Length`] its length and material).
+    Chart, ChartFields {
+        numbers {}
+        others {
+            /// Path of the image, relative to the preset; no image means one colour.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            image: Option<String> = None;
+            /// How texels are laid over the cells.
+            fit: Fit = Fit::Stretch;
+            /// When tiling: every second repeat along the weft is mirrored.
+            mirror_x: bool = false;
+            /// When tiling: every second repeat along the warp is mirrored.
+            mirror_y: bool = false;
+            /// When tiling: every second column of repeats is shifted by half a repeat.
+            half_drop: bool = false;
+            /// Colour of all loops where there is no image.
+            colour: Colour = Colour::WHITE;
+            /// The decoded image; read and written by the program's file layer, never by serde.
+            #[serde(skip)]
+            pixels: Option<ChartImage> = None;
         }
     }
 }
@@ -509,24 +519,17 @@ section! {
     }
 }
 
-/// Lights and background (MODEL.md §8).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Light {
-    /// Suns; none leaves the environment alone.
-    pub sun: Vec<Sun>,
-    /// Light from all around.
-    pub environment: Environment,
-    /// Colour seen where there is no cloth; it gives no light.
-    pub background: Colour,
-}
-
-impl Default for Light {
-    fn default() -> Self {
-        Self {
-            sun: vec![Sun::default()],
-            environment: Environment::default(),
-            background: Colour([247, 246, 240]),
+section! {
+    /// Lights and background (MODEL.md §8).
+    Light, LightFields {
+        numbers {}
+        others {
+            /// Suns; none leaves the environment alone.
+            sun: Vec<Sun> = vec![Sun::default()];
+            /// Light from all around.
+            environment: Environment = Environment::default();
+            /// Colour seen where there is no cloth; it gives no light.
+            background: Colour = Colour([247, 246, 240]);
         }
     }
 }

@@ -1,5 +1,14 @@
 //! Linear pictures, their display, their files and their differences.
 
+mod display;
+mod files;
+pub mod metrics;
+
+pub use display::Display;
+pub use files::{
+    Background, Depth, ExrLayer, ImageError, encode_exr, encode_exr_channels, encode_png,
+};
+
 /// What a backend made: linear radiance, row 0 at the top.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Picture {

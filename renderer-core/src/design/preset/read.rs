@@ -1,0 +1,310 @@
+//! Reading a preset: TOML text to a [`Design`], or to all its faults.
+//!
+//! The text is parsed with positions, then checked against the design's [`Shape`]; entries at fault are reported and
+//! taken out, so that one reading finds every fault. What is left goes through serde and [`Design::faults`].
+
+use std::ops::Range;
+
+use serde::Deserialize;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue, Deserializer};
+
+use super::PresetFault;
+use super::path::{Step, join, steps, unknown_field};
+use crate::design::{Colour, Design, Entry, FORMAT, Fault, Shape, Shaped, Stitch};
+
+/// Reads a preset file's text. The chart image itself is not read.
+///
+/// # Errors
+/// Every fault of the text, in the order of its lines.
+pub fn parse(text: &str) -> Result<Design, Vec<PresetFault>> {
+    let found = match read(text) {
+        Ok(design) => return Ok(design),
+        Err(found) => found,
+    };
+    let mut faults: Vec<PresetFault> = found
+        .into_iter()
+        .map(|found| {
+            let (line, column) = position(text, found.at);
+            PresetFault {
+                line,
+                column,
+                path: found.path,
+                message: found.message,
+            }
+        })
+        .collect();
+    faults.sort_by_key(|fault| (fault.line, fault.column));
+    Err(faults)
+}
+
+/// A fault and the byte of the text it is at.
+pub(super) struct Found {
+    at: usize,
+    path: String,
+    pub message: String,
+}
+
+fn read(text: &str) -> Result<Design, Vec<Found>> {
+    let (root, errors) = DeTable::parse_recoverable(text);
+    if !errors.is_empty() {
+        return Err(errors.iter().map(syntax_fault).collect());
+    }
+    let (whole, mut root) = (root.span(), root.into_inner());
+    check_format(text, &mut root).map_err(|found| vec![found])?;
+
+    let Shape::Table(sections) = Design::shape() else {
+        return Ok(Design::default());
+    };
+    let mut check = Check::new(text);
+    check.table(&sections, &mut root, "");
+    let mut found = check.found;
+    let complete = found.is_empty();
+
+    let design = Design::deserialize(Deserializer::from(Spanned::new(whole, root.clone())));
+    let design = match design {
+        Ok(design) => design,
+        // The check above lets through only what serde can read, up to conditions on whole values (a ragged pattern).
+        Err(error) => {
+            found.push(serde_fault(&error, &root));
+            return Err(found);
+        }
+    };
+    let mut faults = design.value_faults();
+    if complete {
+        // Only then: a relation to a value that could not be read would be one to its default.
+        design.push_relation_faults(&mut faults);
+    }
+    for fault in faults {
+        if !found
+            .iter()
+            .any(|found| is_within(&fault.path, &found.path))
+        {
+            found.push(Found {
+                at: locate(&root, &fault.path),
+                message: fault.to_string(),
+                path: fault.path,
+            });
+        }
+    }
+    if found.is_empty() {
+        Ok(design)
+    } else {
+        Err(found)
+    }
+}
+
+/// Whether `path` is `outer` or a part of it.
+fn is_within(path: &str, outer: &str) -> bool {
+    path.strip_prefix(outer)
+        .is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+}
+
+fn syntax_fault(error: &toml::de::Error) -> Found {
+    Found {
+        at: error.span().map_or(0, |span| span.start),
+        path: String::new(),
+        message: format!("not TOML: {}", error.message().replace('\n', ", ")),
+    }
+}
+
+fn serde_fault(error: &toml::de::Error, root: &DeTable<'_>) -> Found {
+    let at = error.span().map_or(0, |span| span.start);
+    let path = path_at(root, at);
+    Found {
+        at,
+        message: format!("{path}: {}", error.message()),
+        path,
+    }
+}
+
+/// Takes `format` out of the file and requires it to be the one this program reads.
+fn check_format(text: &str, root: &mut DeTable<'_>) -> Result<(), Found> {
+    let fault = |at, message| {
+        Err(Found {
+            at,
+            path: "format".into(),
+            message,
+        })
+    };
+    let Some(value) = root.remove("format") else {
+        let message = format!(
+            "format is missing, required is a line \"format = {FORMAT}\" at the top, the version of preset files"
+        );
+        return fault(0, message);
+    };
+    let at = value.span().start;
+    let written = snippet(text, value.span());
+    match integer(value.get_ref()) {
+        Some(version) if version == i64::from(FORMAT) => Ok(()),
+        Some(version) if version > i64::from(FORMAT) => fault(
+            at,
+            format!(
+                "format is {written}, newer than this program, which reads format {FORMAT}: a newer Towel Designer is needed"
+            ),
+        ),
+        _ => fault(at, format!("format is {written}, allowed is {FORMAT}")),
+    }
+}
+
+/// Compares values with shapes, collects faults, and takes entries at fault out of tables.
+pub(super) struct Check<'t> {
+    text: &'t str,
+    pub found: Vec<Found>,
+}
+
+impl<'t> Check<'t> {
+    pub fn new(text: &'t str) -> Self {
+        Self {
+            text,
+            found: Vec::new(),
+        }
+    }
+
+    fn table(&mut self, entries: &[Entry], table: &mut DeTable<'_>, path: &str) {
+        let mut at_fault = Vec::new();
+        for (key, value) in table.iter_mut() {
+            let name = key.get_ref().as_ref();
+            let readable = match entries.iter().find(|entry| entry.name == name) {
+                Some(entry) => self.value(&entry.shape, value, &join(path, name)),
+                None => {
+                    self.found.push(Found {
+                        at: key.span().start,
+                        path: join(path, name),
+                        message: unknown_field(path, name, entries),
+                    });
+                    false
+                }
+            };
+            if !readable {
+                at_fault.push(name.to_owned());
+            }
+        }
+        for name in at_fault {
+            table.remove(name.as_str());
+        }
+    }
+
+    /// Whether serde can read the value, apart from what was taken out.
+    pub fn value(&mut self, shape: &Shape, value: &mut Spanned<DeValue<'_>>, path: &str) -> bool {
+        let span = value.span();
+        let fits = match (shape, value.get_mut()) {
+            (Shape::Optional(of), _) => return self.value(of, value, path),
+            (Shape::Table(entries), DeValue::Table(table)) => {
+                self.table(entries, table, path);
+                true
+            }
+            (Shape::List { of, length }, DeValue::Array(array)) => {
+                if length.is_none_or(|length| length == array.len()) {
+                    // Not `all`: every element is to be checked.
+                    return array
+                        .iter_mut()
+                        .enumerate()
+                        .fold(true, |fits, (index, element)| {
+                            self.value(of, element, &format!("{path}[{index}]")) && fits
+                        });
+                }
+                false
+            }
+            (Shape::Number(field), value) => number(value).is_some_and(|number| {
+                let whole = !field.integer || matches!(value, DeValue::Integer(_));
+                whole && (field.min..=field.max).contains(&number)
+            }),
+            (Shape::Real, value) => number(value).is_some_and(f64::is_finite),
+            (Shape::Switch, DeValue::Boolean(_)) | (Shape::Text, DeValue::String(_)) => true,
+            (Shape::Choice(choices), DeValue::String(text)) => {
+                choices.iter().any(|(name, _)| name == text)
+            }
+            (Shape::Colour, DeValue::String(text)) => Colour::try_from(text.to_string()).is_ok(),
+            (Shape::Stitch, value) => integer(value)
+                .and_then(|value| u8::try_from(value).ok())
+                .is_some_and(|value| Stitch::from_value(value).is_some()),
+            _ => false,
+        };
+        if !fits {
+            let fault = Fault {
+                path: path.into(),
+                value: snippet(self.text, span.clone()),
+                allowed: shape.allowed(),
+            };
+            self.found.push(Found {
+                at: span.start,
+                message: fault.to_string(),
+                path: fault.path,
+            });
+        }
+        fits
+    }
+}
+
+fn integer(value: &DeValue<'_>) -> Option<i64> {
+    let integer = value.as_integer()?;
+    i64::from_str_radix(integer.as_str(), integer.radix()).ok()
+}
+
+fn number(value: &DeValue<'_>) -> Option<f64> {
+    match value {
+        DeValue::Float(float) => float.as_str().parse().ok(),
+        _ => integer(value).map(|integer| integer as f64),
+    }
+}
+
+/// A value as the user wrote it, cut to one line of a length that a message can hold.
+fn snippet(text: &str, span: Range<usize>) -> String {
+    const LONGEST: usize = 60;
+    let written = text.get(span).unwrap_or_default();
+    let first_line = written.lines().next().unwrap_or_default();
+    let cut: String = first_line.chars().take(LONGEST).collect();
+    if cut.len() < written.len() {
+        cut + " …"
+    } else {
+        cut
+    }
+}
+
+/// Where the value at `path` is written; the nearest table around it if it is not.
+fn locate(root: &DeTable<'_>, path: &str) -> usize {
+    let mut at = 0;
+    let mut table = Some(root);
+    let mut value: Option<&Spanned<DeValue<'_>>> = None;
+    for step in steps(path).unwrap_or_default() {
+        value = match step {
+            Step::Name(name) => table.and_then(|table| table.get(name)),
+            Step::Index(index) => value.and_then(|value| value.get_ref().as_array()?.get(index)),
+        };
+        let Some(value) = value else { break };
+        at = value.span().start;
+        table = value.get_ref().as_table();
+    }
+    at
+}
+
+/// Path of the innermost value that byte `at` of the text lies in.
+fn path_at(root: &DeTable<'_>, at: usize) -> String {
+    fn inside(value: &Spanned<DeValue<'_>>, at: usize) -> bool {
+        value.span().contains(&at)
+    }
+    let mut path = String::new();
+    let mut table = Some(root);
+    while let Some((key, value)) = table.and_then(|table| {
+        // A `[section]` header spans less than its fields, so tables are entered by what they hold.
+        table.iter().find(|(_, value)| {
+            let holds = |table: &DeTable<'_>| !path_at(table, at).is_empty();
+            inside(value, at) || value.get_ref().as_table().is_some_and(holds)
+        })
+    }) {
+        path = join(&path, key.get_ref());
+        table = value.get_ref().as_table();
+    }
+    path
+}
+
+/// Line and column of a byte, both from 1; the column counts characters.
+fn position(text: &str, at: usize) -> (usize, usize) {
+    let before = text.get(..at).unwrap_or(text);
+    let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+    (
+        before.matches('\n').count() + 1,
+        before[line_start..].chars().count() + 1,
+    )
+}

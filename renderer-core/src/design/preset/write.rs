@@ -1,0 +1,171 @@
+//! Writing a preset: every field of a design, aligned, each with a comment that says unit, range and meaning.
+
+use std::fmt::Write;
+
+use toml::{Table, Value};
+
+use crate::design::{Design, Entry, FORMAT, Shape, Shaped};
+
+/// Assignments longer than this have their comment on the line above.
+const LONGEST_ASSIGNMENT: usize = 48;
+
+/// The text of a preset file, which [`parse`](super::parse) reads back as an equal design (without chart pixels).
+///
+/// # Errors
+/// None for any design that can be built; serde's signature leaves no other way to say so.
+pub fn write(design: &Design) -> Result<String, toml::ser::Error> {
+    let values = Table::try_from(design)?;
+    let mut text = format!(
+        "# Towel Designer preset. Lengths in mm, angles in degrees, colours \"#rrggbb\" (sRGB).\nformat = {FORMAT}\n"
+    );
+    if let Shape::Table(sections) = Design::shape() {
+        for section in &sections {
+            if let (Shape::Table(entries), Some(Value::Table(values))) =
+                (&section.shape, values.get(section.name))
+            {
+                let _ = write!(text, "\n# {}\n[{}]\n", section.what, section.name);
+                fields(&mut text, section.name, entries, values, true);
+            }
+        }
+    }
+    Ok(text)
+}
+
+/// The fields of one table, those that are tables themselves behind the others.
+fn fields(text: &mut String, path: &str, entries: &[Entry], values: &Table, comments: bool) {
+    let mut lines = Vec::new();
+    for entry in in_reading_order(entries) {
+        match values.get(entry.name) {
+            None => lines.push(Line::left_out(entry)),
+            Some(value) if is_table(&entry.shape, value) => {}
+            Some(value) => lines.push(Line::assignment(entry, value)),
+        }
+    }
+    let name_width = widest(lines.iter().map(|line| &line.name));
+    let mut assignments: Vec<(String, &str)> = Vec::new();
+    for line in &lines {
+        let assignment = format!("{:name_width$} = {}", line.name, line.value);
+        assignments.push((assignment.trim_end().to_owned(), &line.comment));
+    }
+    let short = |assignment: &String| {
+        assignment.chars().count() <= LONGEST_ASSIGNMENT && !assignment.contains('\n')
+    };
+    let width = widest(assignments.iter().map(|(a, _)| a).filter(|a| short(a)));
+    for (assignment, comment) in &assignments {
+        let _ = match (comments, short(assignment)) {
+            (false, _) => writeln!(text, "{assignment}"),
+            (true, true) => writeln!(text, "{assignment:width$}  # {comment}"),
+            (true, false) => writeln!(text, "# {comment}\n{assignment}"),
+        };
+    }
+    for entry in entries {
+        let path = format!("{path}.{}", entry.name);
+        match (&entry.shape, values.get(entry.name)) {
+            (Shape::Table(entries), Some(Value::Table(values))) => {
+                let _ = write!(text, "\n# {}\n[{path}]\n", entry.what);
+                fields(text, &path, entries, values, true);
+            }
+            (Shape::List { of, .. }, Some(Value::Array(elements))) => {
+                if let Shape::Table(entries) = &**of {
+                    for (index, element) in elements.iter().enumerate() {
+                        let heading = if index == 0 { entry.what } else { "" };
+                        tables_element(text, &path, heading, entries, element);
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+/// One `[[list]]` element; only the first says what its fields are.
+fn tables_element(text: &mut String, path: &str, heading: &str, entries: &[Entry], value: &Value) {
+    if let Value::Table(values) = value {
+        let first = !heading.is_empty();
+        text.push('\n');
+        if first {
+            let _ = writeln!(text, "# {heading}");
+        }
+        let _ = writeln!(text, "[[{path}]]");
+        fields(text, path, entries, values, first);
+    }
+}
+
+/// Whether a value is written under its own heading.
+fn is_table(shape: &Shape, value: &Value) -> bool {
+    match (shape, value) {
+        (Shape::Table(_), _) => true,
+        (Shape::List { of, .. }, Value::Array(elements)) => {
+            matches!(**of, Shape::Table(_)) && !elements.is_empty()
+        }
+        _ => false,
+    }
+}
+
+/// Choices first (they decide which numbers matter), then numbers, then what may be left out, then lists.
+fn in_reading_order(entries: &[Entry]) -> Vec<&Entry> {
+    let rank = |entry: &&Entry| match &entry.shape {
+        Shape::Number(_) | Shape::Real => 1,
+        Shape::Optional(of) if **of == Shape::Text => 0,
+        Shape::Optional(_) => 2,
+        Shape::List { length: None, .. } => 3,
+        _ => 0,
+    };
+    let mut ordered: Vec<&Entry> = entries.iter().collect();
+    ordered.sort_by_key(rank);
+    ordered
+}
+
+/// One line of a table before it is aligned.
+struct Line {
+    name: String,
+    value: String,
+    comment: String,
+}
+
+impl Line {
+    fn assignment(entry: &Entry, value: &Value) -> Self {
+        let value = match value {
+            Value::Array(rows) if is_grid(&entry.shape) => {
+                let rows: Vec<String> = rows.iter().map(|row| format!("    {row},\n")).collect();
+                format!("[\n{}]", rows.concat())
+            }
+            value => value.to_string(),
+        };
+        Self {
+            name: entry.name.into(),
+            value,
+            comment: comment(entry),
+        }
+    }
+
+    /// A field without a value, as a comment that shows that it exists.
+    fn left_out(entry: &Entry) -> Self {
+        Self {
+            name: format!("# {}", entry.name),
+            value: String::new(),
+            comment: comment(entry),
+        }
+    }
+}
+
+/// Whether the value is a stitch pattern, which reads best with a row on a line.
+fn is_grid(shape: &Shape) -> bool {
+    matches!(shape, Shape::List { of: rows, .. }
+        if matches!(&**rows, Shape::List { of: cells, .. } if **cells == Shape::Stitch))
+}
+
+/// `mm, 0.05 to 50: what it does`.
+fn comment(entry: &Entry) -> String {
+    let allowed = match &entry.shape {
+        Shape::Number(field) if field.unit.is_empty() => format!("{} to {}", field.min, field.max),
+        Shape::Number(field) => format!("{}, {} to {}", field.unit, field.min, field.max),
+        shape @ (Shape::Choice(_) | Shape::Colour) => shape.allowed(),
+        _ => return entry.what.into(),
+    };
+    format!("{allowed}: {}", entry.what)
+}
+
+fn widest<'a>(texts: impl Iterator<Item = &'a String>) -> usize {
+    texts.map(|text| text.chars().count()).max().unwrap_or(0)
+}

@@ -1,0 +1,54 @@
+//! From linear light to what a screen shows: exposure, tone map, sRGB.
+//!
+//! Displayed value = sRGB(tone map(linear × 2^exposure)), MODEL.md §11. The viewport, PNG files and FLIP all use it;
+//! EXR files hold the linear picture and never come here.
+
+use crate::design::{ToneMap, View, linear_to_srgb};
+
+/// How linear light is displayed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Display {
+    /// Brightness in stops: light is multiplied by 2^exposure.
+    pub exposure: f64,
+    /// What happens to light above white.
+    pub tone_map: ToneMap,
+}
+
+impl From<&View> for Display {
+    fn from(view: &View) -> Self {
+        Self {
+            exposure: view.exposure,
+            tone_map: view.tone_map,
+        }
+    }
+}
+
+/// Linear value above which `filmic` departs from the identity: dark and middle tones, where a chart's colours live,
+/// look the same under both tone maps.
+const SHOULDER: f64 = 0.6;
+
+impl Display {
+    /// sRGB-encoded colour in [0, 1] of linear light; NaN shows as black.
+    pub fn encode(&self, linear: [f32; 3]) -> [f64; 3] {
+        let scale = self.exposure.exp2();
+        linear.map(|channel| {
+            let light = (f64::from(channel) * scale).max(0.0);
+            let shown = match self.tone_map {
+                ToneMap::None => light.min(1.0),
+                ToneMap::Filmic => filmic(light),
+            };
+            linear_to_srgb(shown)
+        })
+    }
+}
+
+/// The shoulder of a film's curve without its toe: x up to the shoulder s, then 1 − (1−s)²/(x + 1 − 2s), which leaves s
+/// with slope 1 and approaches 1 for ever brighter light.
+fn filmic(light: f64) -> f64 {
+    let room = 1.0 - SHOULDER;
+    if light <= SHOULDER {
+        light
+    } else {
+        1.0 - room * room / (light - SHOULDER + room)
+    }
+}

@@ -8,6 +8,31 @@
 //! Geometry of a loop is relative to the centre of its own cell, so that a carpet 10⁵ cells wide looks the same in
 //! its last cell as in its first.
 
+mod albedo;
+mod bounds;
+mod chart;
+mod compile;
+mod curve;
+mod frames;
+mod grid;
+mod length;
+mod lights;
+mod looks;
+mod skeleton;
+mod turbulence;
 mod types;
+mod volumes;
 
+pub use albedo::{AlbedoTable, albedo_from_reflectance};
+pub use chart::{ChartOnSheet, OPAQUE_FROM};
+pub use compile::{CompileError, Compiler, compile, warnings};
+pub use curve::MonotoneCurve;
+pub use frames::{
+    FrameSettings, Jitter, LoopInput, MAX_LEAN, MAX_SKEW, MAX_TWIST, loop_hash, loop_shape,
+};
+pub use grid::PlantedLoop;
+pub use length::{LengthRule, luma};
+pub use skeleton::Face;
+pub use turbulence::{CHANNELS, TurbulenceField};
 pub use types::*;
+pub use volumes::rasterise;

@@ -1,0 +1,75 @@
+//! Which texel of the chart governs a cell (MODEL.md §6, "one texel governs one loop").
+//!
+//! Chart row 0 is the sheet's far edge (+y), while weft 0 is the near one.
+
+use crate::design::{Chart, ChartImage, Fit};
+
+/// Texels below this alpha plant nothing.
+pub const OPAQUE_FROM: u8 = 128;
+
+/// A chart laid over a sheet.
+#[derive(Debug, Clone, Copy)]
+pub struct ChartOnSheet<'a> {
+    chart: &'a Chart,
+    cells: [usize; 2],
+}
+
+impl<'a> ChartOnSheet<'a> {
+    /// Lays `chart` over a sheet of `warps` × `wefts` cells.
+    pub fn new(chart: &'a Chart, warps: u32, wefts: u32) -> Self {
+        Self {
+            chart,
+            cells: [warps as usize, wefts as usize],
+        }
+    }
+
+    /// sRGB colour of the loops of cell (i, j); `None` where the chart is transparent.
+    pub fn colour(&self, i: usize, j: usize) -> Option<[u8; 3]> {
+        let Some(image) = &self.chart.pixels else {
+            return Some(self.chart.colour.0);
+        };
+        let [x, y] = self.texel(image, i, j);
+        let [r, g, b, alpha] = image.pixel(x, y);
+        (alpha >= OPAQUE_FROM).then_some([r, g, b])
+    }
+
+    /// Whether all cells have the same colour, whatever the image.
+    pub fn is_uniform(&self) -> bool {
+        self.chart.pixels.is_none()
+    }
+
+    /// Column and row (from the top) of the texel of cell (i, j).
+    fn texel(&self, image: &ChartImage, i: usize, j: usize) -> [usize; 2] {
+        let [warps, wefts] = self.cells;
+        let (width, height) = (image.width(), image.height());
+        match self.chart.fit {
+            // The texel that holds ((i+½)/warps, 1 − (j+½)/wefts), in whole numbers.
+            Fit::Stretch => [
+                (2 * i + 1) * width / (2 * warps),
+                (2 * (wefts - j) - 1) * height / (2 * wefts),
+            ],
+            Fit::Tile => {
+                let (column, x) = (i / width, i % width);
+                let drop = if self.chart.half_drop && column % 2 == 1 {
+                    height / 2
+                } else {
+                    0
+                };
+                // Counted from the far edge; one more repeat of two keeps it positive when dropped.
+                let row = (wefts - 1 - j) + 2 * height - drop;
+                let (repeat, y) = (row / height, row % height);
+                let mirrored = |on: bool, repeat: usize, at: usize, size: usize| {
+                    if on && repeat % 2 == 1 {
+                        size - 1 - at
+                    } else {
+                        at
+                    }
+                };
+                [
+                    mirrored(self.chart.mirror_x, column, x, width),
+                    mirrored(self.chart.mirror_y, repeat, y, height),
+                ]
+            }
+        }
+    }
+}

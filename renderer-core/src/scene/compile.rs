@@ -1,0 +1,364 @@
+//! From a design to a scene, section by section (steps 1 and 2 of the paper's §6).
+//!
+//! Each section has inputs; if they equal those of the last design, it keeps its `Arc`. Which parts of a design a section
+//! depends on:
+//!
+//! | section  | sheet | weave | chart, length            | pile                  | turbulence | skeleton     | light |
+//! | -------- | ----- | ----- | ------------------------ | --------------------- | ---------- | ------------ | ----- |
+//! | sheet    | ×     |       |                          |                       |            |              |       |
+//! | loops    | ×     | ×     | each cell's length       | shape of frames       | ×          | yarns' shape |       |
+//! | looks    | ×     | ×     | colours, table           | albedo, variants      | seed       |              |       |
+//! | volumes  |       |       | reference length, kinds  | yarn, volume          |            |              |       |
+//! | pile     |       |       | table                    | phase, density        |            |              |       |
+//! | skeleton |       | ×     |                          |                       |            | ×            |       |
+//! | lights   |       |       |                          |                       |            |              | ×     |
+//!
+//! View and quality belong to requests; no section depends on them. Sections that are cheap are made anew and kept when
+//! equal; loops, looks and volumes have their inputs compared.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::chart::ChartOnSheet;
+use super::frames::{FrameSettings, Jitter, LoopInput, loop_hash, loop_shape};
+use super::grid::{self, Planted};
+use super::length::{CellLengths, LengthRule};
+use super::looks::{Materials, looks};
+use super::skeleton::{Face, RootHeights};
+use super::turbulence::TurbulenceField;
+use super::volumes::rasterise;
+use super::{
+    Lights, LoopCounts, LoopShape, Loops, PileOptics, Scene, Section, SheetGeometry, Skeleton,
+    Volumes,
+};
+use crate::design::{Back, Chart, Design, Fault, Length, Pile, PileKind, Turbulence, Weave};
+
+/// Why a design has no scene.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum CompileError {
+    /// Values that are not allowed.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+    Invalid(Vec<Fault>),
+    /// The lists of loops in cells are too long.
+    #[error(
+        "the sheet has {loops} loops that reach too many cells: their lists exceed 4294967295 entries; use fewer yarns or shorter pile"
+    )]
+    TooManyEntries {
+        /// Loops planted.
+        loops: u64,
+    },
+}
+
+/// The scene of a design.
+///
+/// # Errors
+/// When the design has values that are not allowed, or is too large.
+pub fn compile(design: &Design) -> Result<Scene, CompileError> {
+    Compiler::default()
+        .compile(design)
+        .map(|scene| Scene::clone(&scene))
+}
+
+/// What a designer should know about a design and its scene, as sentences.
+pub fn warnings(design: &Design, scene: &Scene) -> Vec<String> {
+    let mut warnings = design.warnings();
+    let counts = scene.loops.counts;
+    if counts.planted == 0 {
+        warnings.push("no loops: the pattern, the chart and the loop length leave none".into());
+    }
+    let mut tell = |count: u64, what: &str| {
+        if count > 0 {
+            warnings.push(format!("{count} of {} loops {what}", counts.planted));
+        }
+    };
+    tell(counts.dropped, "were left out: their frame is degenerate");
+    tell(
+        counts.repaired,
+        "have another top width than asked: their frame would cross itself",
+    );
+    warnings
+}
+
+/// Compiles one design after another and keeps what did not change.
+#[derive(Debug, Default)]
+pub struct Compiler {
+    last: Option<Last>,
+}
+
+/// The last scene and what it was made from.
+#[derive(Debug)]
+struct Last {
+    scene: Arc<Scene>,
+    turbulence: Arc<TurbulenceField>,
+    turbulence_inputs: (SheetGeometry, Turbulence),
+    loops_inputs: LoopsInputs,
+    looks_inputs: LooksInputs,
+    volumes_inputs: VolumesInputs,
+}
+
+/// Everything that the loops' shapes follow from.
+#[derive(Debug, PartialEq)]
+struct LoopsInputs {
+    sheet: SheetGeometry,
+    weave: Weave,
+    roots: RootHeights,
+    lengths: CellLengths,
+    frames: FrameSettings,
+    turbulence: Turbulence,
+}
+
+/// Everything that the looks follow from, besides which loops there are.
+#[derive(Debug, PartialEq)]
+struct LooksInputs {
+    chart: Chart,
+    length: Length,
+    pile: Pile,
+    seed: u32,
+}
+
+/// Everything that the volumes follow from.
+#[derive(Debug, PartialEq)]
+struct VolumesInputs {
+    pile: Pile,
+    kinds: Vec<PileKind>,
+    reference_length_mm: f64,
+}
+
+impl Compiler {
+    /// The scene of a design. Sections whose inputs are those of the last design keep their `Arc`; if all do, the scene
+    /// is the same `Arc`.
+    ///
+    /// # Errors
+    /// When the design has values that are not allowed, or is too large. The last scene is kept for comparison.
+    pub fn compile(&mut self, design: &Design) -> Result<Arc<Scene>, CompileError> {
+        let faults = design.faults();
+        if !faults.is_empty() {
+            return Err(CompileError::Invalid(faults));
+        }
+        let last = self.last.as_ref();
+        let old = last.map(|last| &*last.scene);
+
+        let sheet = SheetGeometry::new(design);
+        let skeleton = Skeleton::new(&design.weave, &design.skeleton);
+        let materials = Materials::new(design);
+        let optics = PileOptics::new(design, &materials);
+
+        let turbulence_inputs = (sheet, design.turbulence.clone());
+        let turbulence = match last.filter(|last| last.turbulence_inputs == turbulence_inputs) {
+            Some(last) => Arc::clone(&last.turbulence),
+            None => Arc::new(TurbulenceField::new(&sheet, &design.turbulence)),
+        };
+
+        let chart = ChartOnSheet::new(&design.chart, sheet.warps, sheet.wefts);
+        let rule = LengthRule::new(&design.length);
+        let loops_inputs = LoopsInputs {
+            sheet,
+            weave: design.weave.clone(),
+            roots: RootHeights::new(&skeleton, &sheet, design.pile.base_width),
+            lengths: CellLengths::new(&rule, &chart, sheet.warps, sheet.wefts),
+            frames: FrameSettings::new(&design.pile),
+            turbulence: design.turbulence.clone(),
+        };
+        let loops = match last.filter(|last| last.loops_inputs == loops_inputs) {
+            Some(last) => last.scene.loops.clone(),
+            None => Section::new(loops_inputs.build(&turbulence)?),
+        };
+
+        let looks_inputs = LooksInputs {
+            chart: design.chart.clone(),
+            length: design.length.clone(),
+            pile: design.pile.clone(),
+            seed: design.turbulence.seed,
+        };
+        let same_looks =
+            |last: &&Last| last.looks_inputs == looks_inputs && last.scene.loops == loops;
+        let looks = match last.filter(same_looks) {
+            Some(last) => last.scene.looks.clone(),
+            None => keep(
+                old.map(|old| &old.looks),
+                looks(design, &sheet, &loops, &materials),
+            ),
+        };
+
+        let volumes_inputs = VolumesInputs::new(design, &materials);
+        let volumes = match last.filter(|last| last.volumes_inputs == volumes_inputs) {
+            Some(last) => last.scene.volumes.clone(),
+            None => Section::new(volumes_inputs.build()),
+        };
+
+        let scene = Scene {
+            sheet: keep(old.map(|old| &old.sheet), sheet),
+            loops,
+            looks,
+            volumes,
+            pile: keep(old.map(|old| &old.pile), optics),
+            skeleton: keep(old.map(|old| &old.skeleton), skeleton),
+            lights: keep(old.map(|old| &old.lights), Lights::new(&design.light)),
+        };
+        let scene = match last.filter(|last| *last.scene == scene) {
+            Some(last) => Arc::clone(&last.scene),
+            None => Arc::new(scene),
+        };
+        self.last = Some(Last {
+            scene: Arc::clone(&scene),
+            turbulence,
+            turbulence_inputs,
+            loops_inputs,
+            looks_inputs,
+            volumes_inputs,
+        });
+        Ok(scene)
+    }
+
+    /// The turbulence of the last scene.
+    pub fn turbulence(&self) -> Option<&Arc<TurbulenceField>> {
+        self.last.as_ref().map(|last| &last.turbulence)
+    }
+}
+
+/// The old section if it has this value, else a new one.
+fn keep<T: PartialEq>(old: Option<&Section<T>>, new: T) -> Section<T> {
+    match old {
+        Some(old) if **old == new => old.clone(),
+        _ => Section::new(new),
+    }
+}
+
+impl SheetGeometry {
+    /// The sheet of a design.
+    pub fn new(design: &Design) -> Self {
+        Self {
+            warps: design.sheet.warps,
+            wefts: design.sheet.wefts,
+            pitch_x_mm: design.sheet.pitch_x(),
+            pitch_y_mm: design.sheet.pitch_y(),
+        }
+    }
+}
+
+impl VolumesInputs {
+    /// The volumes' pile is the design's with everything that only concerns frames and light at its default, so that
+    /// volumes cannot depend on it.
+    fn new(design: &Design, materials: &Materials) -> Self {
+        let defaults = Pile::default();
+        let reference_length_mm = design.length.longest().min(design.pile.max_length);
+        let pile = Pile {
+            top_width: defaults.top_width,
+            density: defaults.density,
+            max_albedo: defaults.max_albedo,
+            max_length: defaults.max_length,
+            lean_x: defaults.lean_x,
+            lean_y: defaults.lean_y,
+            tilt: defaults.tilt,
+            twist: defaults.twist,
+            stretch: defaults.stretch,
+            jitter: defaults.jitter,
+            twist_jitter: defaults.twist_jitter,
+            length_jitter: defaults.length_jitter,
+            transmission: defaults.transmission,
+            specular: defaults.specular,
+            exponent: defaults.exponent,
+            ..design.pile.clone()
+        };
+        Self {
+            pile,
+            kinds: materials.kinds.clone(),
+            reference_length_mm,
+        }
+    }
+
+    fn build(&self) -> Volumes {
+        rasterise(&self.pile, &self.kinds, self.reference_length_mm)
+    }
+}
+
+/// Loops of one weft.
+#[derive(Default)]
+struct Row {
+    shapes: Vec<LoopShape>,
+    warps: Vec<u32>,
+    counts: LoopCounts,
+}
+
+impl LoopsInputs {
+    fn build(&self, turbulence: &TurbulenceField) -> Result<Loops, CompileError> {
+        let rows: Vec<Row> = (0..self.sheet.wefts)
+            .into_par_iter()
+            .map(|j| self.row(turbulence, j))
+            .collect();
+        let count = rows.iter().map(|row| row.shapes.len()).sum();
+        let mut planted = Planted {
+            shapes: Vec::with_capacity(count),
+            warps: Vec::with_capacity(count),
+            row_starts: Vec::with_capacity(rows.len() + 1),
+            base_width_mm: self.frames.base_width as f32,
+            thickness_mm: self.frames.thickness as f32,
+            counts: LoopCounts::default(),
+        };
+        for row in rows {
+            planted.row_starts.push(planted.shapes.len());
+            planted.shapes.extend_from_slice(&row.shapes);
+            planted.warps.extend_from_slice(&row.warps);
+            planted.counts = planted.counts.plus(row.counts);
+        }
+        planted.row_starts.push(planted.shapes.len());
+        grid::build(&self.sheet, planted).map_err(|grid::TooManyEntries| {
+            CompileError::TooManyEntries {
+                loops: count as u64,
+            }
+        })
+    }
+
+    fn row(&self, turbulence: &TurbulenceField, j: u32) -> Row {
+        let mut row = Row::default();
+        for i in 0..self.sheet.warps {
+            let (column, line) = (i as usize, j as usize);
+            let faces = self.faces(i, j);
+            if !faces.contains(&true) {
+                continue;
+            }
+            let length = self.lengths.at(line * self.sheet.warps as usize + column);
+            for (face, stands) in [Face::Front, Face::Back].into_iter().zip(faces) {
+                if !stands {
+                    continue;
+                }
+                let input = LoopInput {
+                    face,
+                    root_heights: self.roots.at(column, line, face),
+                    length,
+                    turbulence: turbulence.at(column, line).map(f64::from),
+                    jitter: Jitter::new(loop_hash(self.turbulence.seed, i, j, face)),
+                };
+                if let Some(shape) = loop_shape(&self.frames, &input, &mut row.counts) {
+                    row.shapes.push(shape);
+                    row.warps.push(i);
+                }
+            }
+        }
+        row
+    }
+
+    /// Whether a loop stands on the front and on the back of cell (i, j) (MODEL.md §2).
+    fn faces(&self, i: u32, j: u32) -> [bool; 2] {
+        let stitch = self.weave.pattern.stitch(i64::from(i), i64::from(j));
+        let back = match self.weave.back {
+            Back::Mirror => stitch.front,
+            Back::Pattern => stitch.back,
+            Back::None => false,
+        };
+        [stitch.front, back]
+    }
+}
+
+impl LoopCounts {
+    fn plus(self, other: Self) -> Self {
+        Self {
+            planted: self.planted + other.planted,
+            dropped: self.dropped + other.dropped,
+            repaired: self.repaired + other.repaired,
+            raised: self.raised + other.raised,
+            capped: self.capped + other.capped,
+        }
+    }
+}

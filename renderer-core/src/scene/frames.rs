@@ -1,0 +1,321 @@
+//! Yarn-loop frames: one bilinear patch a loop (MODEL.md §4; the paper's §4.2, figures 6 and 7). Computed in f64,
+//! in mm relative to the loop's own cell, and stored as f32 [`LoopShape`].
+//!
+//! What the paper leaves open is bounded here: leans stop at 1.3 rad, top corners stay above the sheet, patches stay
+//! convex seen along their normal, and degenerate ones are dropped. [`LoopCounts`] tells how often.
+
+use glam::DVec3;
+
+use super::skeleton::Face;
+use super::{LoopCounts, LoopShape};
+use crate::design::Pile;
+use crate::sampling::{hash_with, unit_float};
+
+/// Steepest lean, radians.
+pub const MAX_LEAN: f64 = 1.3;
+/// Largest twist to either side, radians.
+pub const MAX_TWIST: f64 = 2.5;
+/// Largest |α| + |β| of a patch; at 2 it stops being convex seen along its normal.
+pub const MAX_SKEW: f64 = 1.8;
+/// A patch is degenerate when |b × c| is below this share of w₀·L.
+const DEGENERATE: f64 = 1e-3;
+/// Loops shorter than this, mm, are no loops: the thinnest yarn has ten times this diameter.
+const SHORTEST_MM: f64 = 1e-3;
+/// Halvings in searches; 2⁻³⁰ of a radian or of a ratio is below f32 rounding of the shape.
+const HALVINGS: u32 = 30;
+
+/// What all loops have in common: lengths in mm, angles in radians.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrameSettings {
+    /// w₀: width of the patch at its root.
+    pub base_width: f64,
+    /// r: width at the top over width at the root.
+    pub top_ratio: f64,
+    /// h: thickness along the normal.
+    pub thickness: f64,
+    /// Longest loop.
+    pub max_length: f64,
+    /// Lean of all loops along X and Y.
+    pub lean: [f64; 2],
+    /// Lean at turbulence 1.
+    pub tilt: f64,
+    /// Twist at turbulence 1.
+    pub twist: f64,
+    /// Change of length at turbulence 1, a share.
+    pub stretch: f64,
+    /// Largest independent lean, twist and change of length.
+    pub jitter: [f64; 3],
+}
+
+impl FrameSettings {
+    /// The settings of a pile.
+    pub fn new(pile: &Pile) -> Self {
+        Self {
+            base_width: pile.base_width,
+            top_ratio: pile.top_width / pile.base_width,
+            thickness: pile.thickness,
+            max_length: pile.max_length,
+            lean: [pile.lean_x.to_radians(), pile.lean_y.to_radians()],
+            tilt: pile.tilt.to_radians(),
+            twist: pile.twist.to_radians(),
+            stretch: pile.stretch,
+            jitter: [
+                pile.jitter.to_radians(),
+                pile.twist_jitter.to_radians(),
+                pile.length_jitter,
+            ],
+        }
+    }
+}
+
+/// What one loop has of its own.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LoopInput {
+    /// Which side it stands on.
+    pub face: Face,
+    /// Heights of P0 and P1 along the face's normal, mm.
+    pub root_heights: [f64; 2],
+    /// Length from the chart, mm.
+    pub length: f64,
+    /// The cell's turbulence: tilt x, tilt y, stretch, twist.
+    pub turbulence: [f64; 4],
+    /// Its independent random part.
+    pub jitter: Jitter,
+}
+
+/// The independent random part of a loop, without strengths.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Jitter {
+    /// A point of the unit disc.
+    pub lean: [f64; 2],
+    /// In [−1, 1].
+    pub twist: f64,
+    /// In [−1, 1].
+    pub length: f64,
+}
+
+impl Jitter {
+    /// The jitter of a loop with this hash.
+    pub fn new(loop_hash: u32) -> Self {
+        let random = |k: u32| f64::from(unit_float(hash_with(loop_hash, k)));
+        let (radius, angle) = (random(0).sqrt(), std::f64::consts::TAU * random(1));
+        Self {
+            lean: [radius * angle.cos(), radius * angle.sin()],
+            twist: 2.0 * random(2) - 1.0,
+            length: 2.0 * random(3) - 1.0,
+        }
+    }
+}
+
+/// The random number that belongs to the loop of a cell and face.
+pub fn loop_hash(seed: u32, i: u32, j: u32, face: Face) -> u32 {
+    let cell = hash_with(hash_with(seed, i), j);
+    hash_with(cell, u32::from(face == Face::Back))
+}
+
+/// The patch of one loop; `None` where nothing is planted. Adds what it had to do to `counts`.
+pub fn loop_shape(
+    settings: &FrameSettings,
+    input: &LoopInput,
+    counts: &mut LoopCounts,
+) -> Option<LoopShape> {
+    let [tilt_x, tilt_y, stretch, twist] = input.turbulence;
+    let [lean_jitter, twist_jitter, length_jitter] = settings.jitter;
+    let wanted_length =
+        input.length * (1.0 + settings.stretch * stretch + length_jitter * input.jitter.length);
+    let length = wanted_length.min(settings.max_length);
+    if length < SHORTEST_MM {
+        return None;
+    }
+
+    let lean: [f64; 2] = std::array::from_fn(|axis| {
+        settings.lean[axis]
+            + settings.tilt * [tilt_x, tilt_y][axis]
+            + lean_jitter * input.jitter.lean[axis]
+    });
+    let amount = lean[0].hypot(lean[1]);
+    let (towards, angle) = if amount < 1e-6 {
+        // The direction of so small a lean is rounding noise.
+        ([0.0; 2], 0.0)
+    } else {
+        ([lean[0] / amount, lean[1] / amount], amount.min(MAX_LEAN))
+    };
+    let twist =
+        (settings.twist * twist + twist_jitter * input.jitter.twist).clamp(-MAX_TWIST, MAX_TWIST);
+
+    let stance = Stance::new(settings.base_width, input, length, towards, twist);
+    let (frame, lean_kept, ratio) = stance.stand(angle, settings.top_ratio);
+    let [b, c] = frame.edges();
+    if b.cross(c).length() < DEGENERATE * settings.base_width * length {
+        counts.dropped += 1;
+        return None;
+    }
+    counts.planted += 1;
+    counts.capped += u64::from(wanted_length > settings.max_length);
+    counts.raised += u64::from(lean_kept < angle);
+    counts.repaired += u64::from(ratio != settings.top_ratio);
+    let sign = input.face.sign();
+    Some(LoopShape {
+        axis: frame.axis.as_vec3().into(),
+        root_z0: (sign * input.root_heights[0]) as f32,
+        half_top: frame.half_top.as_vec3().into(),
+        root_z1: (sign * input.root_heights[1]) as f32,
+    })
+}
+
+/// A loop that stands on its roots; its lean and top ratio are still open.
+struct Stance {
+    normal: DVec3,
+    /// P1 − P0.
+    base_edge: DVec3,
+    /// Height of the middle of the roots along the normal.
+    root_height: f64,
+    length: f64,
+    /// Unit vector in the sheet's plane towards which the loop leans, or zero.
+    towards: DVec3,
+    twist: f64,
+}
+
+/// Axis and half top edge: what the roots do not fix.
+#[derive(Clone, Copy)]
+struct Frame {
+    base_edge: DVec3,
+    axis: DVec3,
+    half_top: DVec3,
+}
+
+impl Stance {
+    fn new(base_width: f64, input: &LoopInput, length: f64, [x, y]: [f64; 2], twist: f64) -> Self {
+        let normal = DVec3::new(0.0, 0.0, input.face.sign());
+        let [h0, h1] = input.root_heights;
+        Self {
+            normal,
+            base_edge: DVec3::new(0.0, base_width, 0.0) + (h1 - h0) * normal,
+            root_height: 0.5 * (h0 + h1),
+            length,
+            towards: DVec3::new(x, y, 0.0),
+            twist,
+        }
+    }
+
+    fn frame(&self, lean: f64, ratio: f64) -> Frame {
+        let direction = self.normal * lean.cos() + self.towards * lean.sin();
+        // Rodrigues' rotation of the whole base edge about the loop's own axis, right-handed.
+        let (sin, cos) = self.twist.sin_cos();
+        let edge = self.base_edge;
+        let turned = edge * cos
+            + direction.cross(edge) * sin
+            + direction * (direction.dot(edge) * (1.0 - cos));
+        Frame {
+            base_edge: edge,
+            axis: direction * self.length,
+            half_top: turned * (0.5 * ratio),
+        }
+    }
+
+    /// Height of the lower top corner above the sheet's plane, along the normal.
+    fn clearance(&self, frame: &Frame) -> f64 {
+        self.root_height + self.normal.dot(frame.axis) - self.normal.dot(frame.half_top).abs()
+    }
+
+    /// The frame with the greatest lean up to `lean` and the top ratio nearest to `ratio` whose corners are above the
+    /// sheet and whose patch is convex; also the lean and the ratio. Upright loops stay whatever their corners do.
+    fn stand(&self, lean: f64, ratio: f64) -> (Frame, f64, f64) {
+        let (mut lean, mut ratio) = (lean, ratio);
+        // A smaller lean changes the skew, and another ratio moves the corners; ratio 1 is convex at every lean.
+        for attempt in 0..4 {
+            lean = self.raised(lean, ratio);
+            let repaired = self.repaired(lean, ratio);
+            if repaired == ratio {
+                return (self.frame(lean, ratio), lean, ratio);
+            }
+            ratio = if attempt < 3 { repaired } else { 1.0 };
+        }
+        lean = self.raised(lean, ratio);
+        (self.frame(lean, ratio), lean, ratio)
+    }
+
+    fn raised(&self, lean: f64, ratio: f64) -> f64 {
+        let clears = |lean: f64| self.clearance(&self.frame(lean, ratio)) > 0.0;
+        if clears(lean) {
+            lean
+        } else {
+            last_good(0.0, lean, clears)
+        }
+    }
+
+    fn repaired(&self, lean: f64, ratio: f64) -> f64 {
+        let convex = |ratio: f64| self.frame(lean, ratio).skew() <= MAX_SKEW;
+        if convex(ratio) {
+            ratio
+        } else {
+            last_good(1.0, ratio, convex)
+        }
+    }
+}
+
+impl Frame {
+    /// b = ∂P/∂u and c = ∂P/∂v in the middle of the patch.
+    fn edges(&self) -> [DVec3; 2] {
+        [0.5 * self.base_edge + self.half_top, self.axis]
+    }
+
+    /// |α| + |β|, where A = 2e − B is αb + βc in the plane of b and c; infinite where b and c are parallel.
+    fn skew(&self) -> f64 {
+        let [b, c] = self.edges();
+        let area = b.cross(c);
+        let twist = 2.0 * self.half_top - self.base_edge;
+        let (alpha, beta) = (twist.cross(c).dot(area), b.cross(twist).dot(area));
+        let skew = (alpha.abs() + beta.abs()) / area.length_squared();
+        if skew.is_nan() { f64::INFINITY } else { skew }
+    }
+}
+
+/// The value nearest to `bad` that is still good, by halving the way from `good`.
+fn last_good(mut good: f64, mut bad: f64, is_good: impl Fn(f64) -> bool) -> f64 {
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (good + bad);
+        if is_good(middle) {
+            good = middle;
+        } else {
+            bad = middle;
+        }
+    }
+    good
+}
+
+impl LoopShape {
+    /// The corners P0, P1, P2, P3 relative to the cell's centre, mm.
+    pub fn corners(&self, base_width_mm: f32) -> [DVec3; 4] {
+        let half = 0.5 * f64::from(base_width_mm);
+        let p0 = DVec3::new(0.0, -half, f64::from(self.root_z0));
+        let p1 = DVec3::new(0.0, half, f64::from(self.root_z1));
+        let half_top = DVec3::from_array(self.half_top.map(f64::from));
+        let top = 0.5 * (p0 + p1) + DVec3::from_array(self.axis.map(f64::from));
+        [p0, p1, top + half_top, top - half_top]
+    }
+
+    /// b = ∂P/∂u and c = ∂P/∂v in the middle of the patch, and A, the coefficient of uv, mm.
+    pub fn coefficients(&self, base_width_mm: f32) -> [DVec3; 3] {
+        let [p0, p1, ..] = self.corners(base_width_mm);
+        let half_top = DVec3::from_array(self.half_top.map(f64::from));
+        let axis = DVec3::from_array(self.axis.map(f64::from));
+        let base = p1 - p0;
+        [0.5 * base + half_top, axis, 2.0 * half_top - base]
+    }
+
+    /// n̂, the direction of the thickness.
+    pub fn normal(&self, base_width_mm: f32) -> DVec3 {
+        let [b, c, _] = self.coefficients(base_width_mm);
+        b.cross(c).normalize_or(DVec3::X)
+    }
+
+    /// The side of the cloth the loop stands on.
+    pub fn face(&self) -> Face {
+        if self.axis[2] >= 0.0 {
+            Face::Front
+        } else {
+            Face::Back
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! From the colour of a texel to the length of its loop, mm, and to its row of the material table (MODEL.md §6).
+
+use palette::{FromColor, Oklab, Srgb};
+use rayon::prelude::*;
+
+use super::chart::ChartOnSheet;
+use super::curve::MonotoneCurve;
+use crate::design::{Length, LengthEntry, LengthMap};
+
+/// How colours become lengths.
+#[derive(Debug, Clone)]
+pub struct LengthRule {
+    map: LengthMap,
+    value: f64,
+    range: [f64; 2],
+    curve: MonotoneCurve,
+    table: ColourTable,
+    lengths: Vec<f64>,
+}
+
+impl LengthRule {
+    /// The rule that a design asks for.
+    pub fn new(length: &Length) -> Self {
+        Self {
+            map: length.map,
+            value: length.value,
+            range: [length.min, length.max],
+            curve: MonotoneCurve::new(&length.curve),
+            table: ColourTable::new(&length.table),
+            lengths: length.table.iter().map(|row| row.length).collect(),
+        }
+    }
+
+    /// Length of a loop of this colour before turbulence, mm.
+    pub fn length_mm(&self, colour: [u8; 3]) -> f64 {
+        match self.map {
+            LengthMap::Constant => self.value,
+            LengthMap::Gray => {
+                let [min, max] = self.range;
+                min + (max - min) * self.curve.value(luma(colour)).clamp(0.0, 1.0)
+            }
+            LengthMap::Lut => self
+                .table
+                .nearest(colour)
+                .map_or(self.value, |row| self.lengths[row]),
+        }
+    }
+
+    /// Row of the table that a loop of this colour follows; `None` unless lengths come from the table.
+    pub fn row(&self, colour: [u8; 3]) -> Option<usize> {
+        match self.map {
+            LengthMap::Lut => self.table.nearest(colour),
+            LengthMap::Constant | LengthMap::Gray => None,
+        }
+    }
+}
+
+/// Rec. 709 luma in [0, 1]: the weights act on sRGB-encoded values, as the chart's author sees them.
+pub fn luma([r, g, b]: [u8; 3]) -> f64 {
+    (0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b)) / 255.0
+}
+
+/// The colours of the table's rows in Oklab, where distance is perceived difference.
+#[derive(Debug, Clone)]
+struct ColourTable(Vec<Oklab<f64>>);
+
+impl ColourTable {
+    fn new(rows: &[LengthEntry]) -> Self {
+        Self(rows.iter().map(|row| oklab(row.colour.0)).collect())
+    }
+
+    /// The row nearest to a colour, the first of equals; `None` in an empty table.
+    fn nearest(&self, colour: [u8; 3]) -> Option<usize> {
+        let place = oklab(colour);
+        let distance = |row: &Oklab<f64>| {
+            (row.l - place.l).powi(2) + (row.a - place.a).powi(2) + (row.b - place.b).powi(2)
+        };
+        let by_distance = |a: &(usize, f64), b: &(usize, f64)| a.1.total_cmp(&b.1);
+        let rows = self.0.iter().map(distance).enumerate();
+        rows.min_by(by_distance).map(|(row, _)| row)
+    }
+}
+
+fn oklab(colour: [u8; 3]) -> Oklab<f64> {
+    let encoded = Srgb::from(colour).into_format::<f64>();
+    Oklab::from_color(encoded.into_linear())
+}
+
+/// Length of the loop of every cell before turbulence, mm; 0 plants nothing.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum CellLengths {
+    /// All cells alike.
+    Uniform(f32),
+    /// Row by row.
+    Each(Vec<f32>),
+}
+
+impl CellLengths {
+    /// Lengths of a sheet of `warps` × `wefts` cells.
+    pub(super) fn new(rule: &LengthRule, chart: &ChartOnSheet<'_>, warps: u32, wefts: u32) -> Self {
+        let length = |colour: Option<[u8; 3]>| colour.map_or(0.0, |c| rule.length_mm(c) as f32);
+        if chart.is_uniform() {
+            return Self::Uniform(length(chart.colour(0, 0)));
+        }
+        let (warps, wefts) = (warps as usize, wefts as usize);
+        let mut lengths = vec![0.0; warps * wefts];
+        let rows = lengths.par_chunks_mut(warps).enumerate();
+        rows.for_each_init(
+            || ColourCache::new(|colour| length(Some(colour))),
+            |cache, (j, row)| {
+                for (i, value) in row.iter_mut().enumerate() {
+                    *value = chart.colour(i, j).map_or(0.0, |colour| cache.get(colour));
+                }
+            },
+        );
+        // An image that says the same everywhere is no other input than no image.
+        let first = lengths[0];
+        if lengths.iter().all(|&length| length == first) {
+            Self::Uniform(first)
+        } else {
+            Self::Each(lengths)
+        }
+    }
+
+    /// Length of the cell with row-by-row index `cell`.
+    pub(super) fn at(&self, cell: usize) -> f64 {
+        f64::from(match self {
+            Self::Uniform(length) => *length,
+            Self::Each(lengths) => lengths[cell],
+        })
+    }
+}
+
+/// Remembers what a function gave for the colours seen last; charts have runs and few colours.
+pub(super) struct ColourCache<T, F> {
+    slots: Vec<Option<([u8; 3], T)>>,
+    function: F,
+}
+
+impl<T: Copy, F: Fn([u8; 3]) -> T> ColourCache<T, F> {
+    const SLOTS: usize = 1024;
+
+    pub(super) fn new(function: F) -> Self {
+        Self {
+            slots: vec![None; Self::SLOTS],
+            function,
+        }
+    }
+
+    pub(super) fn get(&mut self, colour: [u8; 3]) -> T {
+        let [r, g, b] = colour.map(usize::from);
+        let slot = &mut self.slots[(r * 31 + g * 241 + b * 7) % Self::SLOTS];
+        match slot {
+            Some((key, value)) if *key == colour => *value,
+            _ => {
+                let value = (self.function)(colour);
+                *slot = Some((colour, value));
+                value
+            }
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! Colour, variant and material of every loop (MODEL.md §6).
+
+use rayon::prelude::*;
+
+use super::albedo::{AlbedoTable, albedo_from_reflectance};
+use super::chart::ChartOnSheet;
+use super::frames::loop_hash;
+use super::length::{ColourCache, LengthRule};
+use super::{LoopLook, Loops, Material, PileOptics, SheetGeometry};
+use crate::design::{Colour, Design, LengthMap, PileKind};
+use crate::sampling::hash_with;
+
+/// The materials of a design, and which of them each row of its length table uses.
+pub(super) struct Materials {
+    pub(super) list: Vec<Material>,
+    pub(super) kinds: Vec<PileKind>,
+    of_row: Vec<u8>,
+}
+
+impl Materials {
+    pub(super) fn new(design: &Design) -> Self {
+        let pile = &design.pile;
+        let mut kinds = vec![pile.kind];
+        let mut list = vec![Material {
+            density_per_mm: pile.density as f32,
+            kind: 0,
+        }];
+        let rows = match design.length.map {
+            LengthMap::Lut => design.length.table.as_slice(),
+            LengthMap::Constant | LengthMap::Gray => &[],
+        };
+        let of_row = rows
+            .iter()
+            .map(|row| {
+                let wanted = row.kind.unwrap_or(pile.kind);
+                let kind = kinds.iter().position(|&kind| kind == wanted);
+                let material = Material {
+                    density_per_mm: row.density.unwrap_or(pile.density) as f32,
+                    kind: kind.unwrap_or(kinds.len()) as u32,
+                };
+                if kind.is_none() {
+                    kinds.push(wanted);
+                }
+                let known = list.iter().position(|&known| known == material);
+                if known.is_none() {
+                    list.push(material);
+                }
+                known.unwrap_or(list.len() - 1) as u8
+            })
+            .collect();
+        Self {
+            list,
+            kinds,
+            of_row,
+        }
+    }
+}
+
+impl PileOptics {
+    /// How the pile of a design scatters.
+    pub(super) fn new(design: &Design, materials: &Materials) -> Self {
+        let pile = &design.pile;
+        Self {
+            phase: pile.phase,
+            transmission: pile.transmission as f32,
+            specular: pile.specular as f32,
+            exponent: pile.exponent as f32,
+            materials: materials.list.clone(),
+        }
+    }
+}
+
+/// Looks of all loops, in the order of their shapes.
+pub(super) fn looks(
+    design: &Design,
+    sheet: &SheetGeometry,
+    loops: &Loops,
+    materials: &Materials,
+) -> Vec<LoopLook> {
+    let chart = ChartOnSheet::new(&design.chart, sheet.warps, sheet.wefts);
+    let rule = LengthRule::new(&design.length);
+    let table = AlbedoTable::new(&design.pile);
+    let of_colour = |colour: [u8; 3]| -> ([u16; 3], u8) {
+        let row = rule.row(colour);
+        let scale = row.map_or(1.0, |row| design.length.table[row].albedo_scale);
+        let albedo = albedo_from_reflectance(Colour(colour).linear(), &table);
+        let stored = albedo.map(|a| ((a * scale).clamp(0.0, 1.0) * 65535.0).round() as u16);
+        (stored, row.map_or(0, |row| materials.of_row[row]))
+    };
+    let rows: Vec<Vec<LoopLook>> = (0..sheet.wefts)
+        .into_par_iter()
+        .map_init(
+            || ColourCache::new(of_colour),
+            |cache, j| {
+                let looks = loops.planted_in_row(sheet, j).map(|planted| {
+                    let [i, j] = planted.cell;
+                    // A loop stands only where the chart has a colour.
+                    let colour = chart.colour(i as usize, j as usize).unwrap_or_default();
+                    let (albedo, material) = cache.get(colour);
+                    let hash = loop_hash(design.turbulence.seed, i, j, planted.face);
+                    LoopLook {
+                        albedo,
+                        variant: (hash_with(hash, 4) % design.pile.variants) as u8,
+                        material,
+                    }
+                });
+                looks.collect()
+            },
+        )
+        .collect();
+    rows.concat()
+}

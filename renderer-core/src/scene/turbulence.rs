@@ -1,0 +1,214 @@
+//! Turbulence: the smooth disorder of the loops (MODEL.md §3, the paper's §4.2 and figure 11). No units: every value is
+//! in [−1, 1]; the strengths that turn it into angles and lengths belong to the frames.
+//!
+//! Four channels, one value a cell: the sum of octaves of the `noise` crate's noise in f64, at the cell's place in mm
+//! from the sheet's low corner, then an optional filter over neighbouring cells. A filter averages, so it would weaken
+//! the disorder; the field is rescaled about its mean to the deviation it had before.
+
+use noise::core::perlin::perlin_2d;
+use noise::core::simplex::simplex_2d;
+use noise::core::worley::{ReturnType, distance_functions, worley_2d};
+use noise::permutationtable::PermutationTable;
+use rayon::prelude::*;
+
+use super::SheetGeometry;
+use crate::design::{Filter, NoiseKind, Turbulence};
+use crate::sampling::{hash_with, unit_float};
+
+/// What each channel moves, in the order of [`TurbulenceField::at`].
+pub const CHANNELS: [&str; 4] = ["tilt x", "tilt y", "stretch", "twist"];
+
+/// Mean of 2|n| − 1 for one octave of Perlin noise is −0.315; without this loops would have a hidden lean.
+const FOLDED_MEAN: f64 = 0.315;
+
+/// The four channels of every cell, each in [−1, 1].
+#[derive(Debug, Clone, PartialEq)]
+pub struct TurbulenceField {
+    warps: usize,
+    values: Vec<[f32; 4]>,
+}
+
+impl TurbulenceField {
+    /// Computes the field of a sheet.
+    pub fn new(sheet: &SheetGeometry, turbulence: &Turbulence) -> Self {
+        let (warps, wefts) = (sheet.warps as usize, sheet.wefts as usize);
+        let channels: [Channel; 4] = std::array::from_fn(|c| Channel::new(turbulence, c as u32));
+        let mut values = vec![[0.0; 4]; warps * wefts];
+        let rows = values.par_chunks_mut(warps).enumerate();
+        rows.for_each(|(j, row)| {
+            let y_mm = (j as f64 + 0.5) * sheet.pitch_y_mm;
+            for (i, value) in row.iter_mut().enumerate() {
+                let x_mm = (i as f64 + 0.5) * sheet.pitch_x_mm;
+                *value = std::array::from_fn(|c| channels[c].at(turbulence, [x_mm, y_mm]) as f32);
+            }
+        });
+        let mut field = Self { warps, values };
+        let weights = kernel(turbulence.filter, turbulence.filter_radius);
+        if weights.len() > 1 {
+            let before = field.mean_and_deviation();
+            field.smooth(&weights);
+            field.rescale(before);
+        }
+        field
+    }
+
+    /// Values of the cell at warp `i` and weft `j`, in the order of [`CHANNELS`].
+    pub fn at(&self, i: usize, j: usize) -> [f32; 4] {
+        self.values[j * self.warps + i]
+    }
+
+    /// Number of cells along the weft.
+    pub fn warps(&self) -> usize {
+        self.warps
+    }
+
+    /// All cells, row by row from the near edge.
+    pub fn values(&self) -> &[[f32; 4]] {
+        &self.values
+    }
+
+    /// Mean and standard deviation of each channel over the sheet.
+    pub fn mean_and_deviation(&self) -> [[f64; 2]; 4] {
+        let count = self.values.len().max(1) as f64;
+        let sum = |f: &(dyn Fn(f64, usize) -> f64 + Sync)| -> [f64; 4] {
+            let add = |a: [f64; 4], b: [f64; 4]| std::array::from_fn(|c| a[c] + b[c]);
+            let row_sum = |row: &[[f32; 4]]| {
+                row.iter().fold([0.0; 4], |a, value| {
+                    add(a, std::array::from_fn(|c| f(f64::from(value[c]), c)))
+                })
+            };
+            // Rows are added in order, so that the sum does not depend on the number of threads.
+            let rows: Vec<[f64; 4]> = self.values.par_chunks(self.warps).map(row_sum).collect();
+            rows.into_iter().fold([0.0; 4], add)
+        };
+        let mean = sum(&|value, _| value).map(|s| s / count);
+        let variance = sum(&|value, c| (value - mean[c]).powi(2)).map(|s| s / count);
+        std::array::from_fn(|c| [mean[c], variance[c].sqrt()])
+    }
+
+    /// Convolves rows and columns with `weights` (centre first, both sides alike); edge cells continue outwards.
+    fn smooth(&mut self, weights: &[f32]) {
+        let warps = self.warps;
+        let wefts = self.values.len() / warps;
+        let mut rows_done = vec![[0.0; 4]; self.values.len()];
+        let blend = |target: &mut [f32; 4], weight: f32, value: [f32; 4]| {
+            for (t, v) in target.iter_mut().zip(value) {
+                *t += weight * v;
+            }
+        };
+        let rows = rows_done.par_chunks_mut(warps);
+        rows.zip(self.values.par_chunks(warps))
+            .for_each(|(out, row)| {
+                for (i, sum) in out.iter_mut().enumerate() {
+                    blend(sum, weights[0], row[i]);
+                    for (d, &weight) in weights.iter().enumerate().skip(1) {
+                        blend(sum, weight, row[i.saturating_sub(d)]);
+                        blend(sum, weight, row[(i + d).min(warps - 1)]);
+                    }
+                }
+            });
+        let columns = self.values.par_chunks_mut(warps).enumerate();
+        columns.for_each(|(j, out)| {
+            out.fill([0.0; 4]);
+            let mut add_row = |weight: f32, j: usize| {
+                for (sum, value) in out.iter_mut().zip(&rows_done[j * warps..(j + 1) * warps]) {
+                    blend(sum, weight, *value);
+                }
+            };
+            add_row(weights[0], j);
+            for (d, &weight) in weights.iter().enumerate().skip(1) {
+                add_row(weight, j.saturating_sub(d));
+                add_row(weight, (j + d).min(wefts - 1));
+            }
+        });
+    }
+
+    /// Stretches every channel about its mean to the deviation in `wanted`, and clamps it.
+    fn rescale(&mut self, wanted: [[f64; 2]; 4]) {
+        let now = self.mean_and_deviation();
+        let gain: [f32; 4] = std::array::from_fn(|c| {
+            // A channel that a wide filter made constant, to f32 rounding, stays constant.
+            if now[c][1] > 1e-6 {
+                (wanted[c][1] / now[c][1]) as f32
+            } else {
+                1.0
+            }
+        });
+        let mean = now.map(|[mean, _]| mean as f32);
+        self.values.par_iter_mut().for_each(|value| {
+            *value = std::array::from_fn(|c| {
+                (mean[c] + gain[c] * (value[c] - mean[c])).clamp(-1.0, 1.0)
+            });
+        });
+    }
+}
+
+/// Noise of one channel.
+struct Channel {
+    table: PermutationTable,
+    /// Moves the lattice; never an integer, where Perlin noise is zero.
+    offset: [f64; 2],
+}
+
+impl Channel {
+    fn new(turbulence: &Turbulence, channel: u32) -> Self {
+        let seed = hash_with(turbulence.seed, channel);
+        let offset = [1, 2].map(|axis| 0.1 + 0.8 * f64::from(unit_float(hash_with(seed, axis))));
+        Self {
+            table: PermutationTable::new(seed),
+            offset,
+        }
+    }
+
+    /// T_c of MODEL.md §3 at a place in mm.
+    fn at(&self, turbulence: &Turbulence, place_mm: [f64; 2]) -> f64 {
+        let (mut frequency, mut amplitude) = (turbulence.frequency, 1.0);
+        let (mut sum, mut amplitudes) = (0.0, 0.0);
+        for _ in 0..turbulence.octaves {
+            let point = [0, 1].map(|axis| frequency * place_mm[axis] + self.offset[axis]);
+            sum += amplitude * self.octave(turbulence.kind, point);
+            amplitudes += amplitude;
+            frequency *= turbulence.lacunarity;
+            amplitude *= turbulence.gain;
+        }
+        (sum / amplitudes).clamp(-1.0, 1.0)
+    }
+
+    fn octave(&self, kind: NoiseKind, point: [f64; 2]) -> f64 {
+        let point = point.into();
+        let table = &self.table;
+        let value = match kind {
+            NoiseKind::Fbm => perlin_2d(point, table),
+            NoiseKind::Turbulence => 2.0 * perlin_2d(point, table).abs() - 1.0 + FOLDED_MEAN,
+            NoiseKind::Simplex => simplex_2d(point, table).0,
+            NoiseKind::Worley => worley_2d(
+                table,
+                distance_functions::euclidean,
+                ReturnType::Distance,
+                point,
+            ),
+        };
+        value.clamp(-1.0, 1.0)
+    }
+}
+
+/// Weights at 0, 1, 2 … cells from the centre; they add up to one over both sides. One weight alone is no filter.
+fn kernel(filter: Filter, radius: f64) -> Vec<f32> {
+    let weight = |d: usize| match filter {
+        Filter::None => f64::from(u8::from(d == 0)),
+        // A fraction of a cell weighs as much, so that the radius acts without jumps.
+        Filter::Box => (radius + 1.0 - d as f64).clamp(0.0, 1.0),
+        Filter::Gaussian if d == 0 => 1.0,
+        // The radius is two deviations; three are kept, beyond which weights are below 1 %.
+        Filter::Gaussian if d as f64 <= 1.5 * radius + 0.5 => {
+            (-0.5 * (2.0 * d as f64 / radius).powi(2)).exp()
+        }
+        Filter::Gaussian => 0.0,
+    };
+    let weights: Vec<f64> = (0..)
+        .map(weight)
+        .take_while(|&weight| weight > 0.0)
+        .collect();
+    let sum = 2.0 * weights.iter().sum::<f64>() - weights[0];
+    weights.iter().map(|weight| (weight / sum) as f32).collect()
+}

@@ -1,39 +1,78 @@
-//! The voxels inside a yarn loop (MODEL.md §5): an arch of round yarn whose centre line lies in the middle of the patch,
-//! or an upright tuft. Lengths in mm at the reference size.
+//! The voxels inside a yarn loop (MODEL.md §5; the paper's §5.2 and figure 10).
+//!
+//! A kind of pile is a [`Field`]: density, shade and fibre direction at any point of the reference loop, in mm (x along
+//! u, y along v from the root, z along the thickness). [`rasterise`] averages the field over each voxel and adds stray
+//! fibres. Loops of another length or width stretch the reference loop.
 
+mod cut;
+mod hair;
+mod terry;
+
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::Volumes;
 use crate::design::{Phase, Pile, PileKind};
+use crate::sampling::{Pcg, hash_with};
+use hair::Hair;
 
-/// Fills the volumes of all kinds and variants for loops of the reference length.
+/// Points averaged along each axis of a voxel. Two are enough: fields fall off over about a voxel's width.
+const SUPERSAMPLES: usize = 2;
+
+/// Share of the yarn's diameter left free around the yarn inside its patch, for stray fibres.
+const MARGIN: f64 = 0.12;
+
+/// Size of the reference loop, mm.
+#[derive(Debug, Clone, Copy)]
+struct LoopSize {
+    width: f64,
+    length: f64,
+    thickness: f64,
+}
+
+/// What the yarn is like at a point.
+#[derive(Debug, Clone, Copy, Default)]
+struct Yarn {
+    /// ρ in [0, 1].
+    density: f64,
+    /// Multiplies the albedo.
+    shade: f64,
+    /// Unit vector along the fibres, mm space.
+    tangent: DVec3,
+}
+
+/// A kind of pile: the yarn at every point of the reference loop.
+trait Field: Sync {
+    /// The yarn at `point`, mm from the middle of the root.
+    fn yarn(&self, point: DVec3) -> Yarn;
+
+    /// A random point on the yarn's surface with the outward normal and the yarn's direction there: where a stray
+    /// fibre leaves it.
+    fn surface(&self, random: &mut Pcg) -> (DVec3, DVec3, DVec3);
+}
+
+/// Voxels for the given kinds of pile, `pile.variants` of each.
+///
+/// `reference_length_mm` is the length of the loop that the volumes are drawn for; anything above zero.
 pub fn rasterise(pile: &Pile, kinds: &[PileKind], reference_length_mm: f64) -> Volumes {
-    let size = [
-        pile.base_width,
-        reference_length_mm.max(0.05),
-        pile.thickness,
-    ];
+    let size = LoopSize {
+        width: pile.base_width,
+        length: reference_length_mm.max(0.05),
+        thickness: pile.thickness,
+    };
     let with_tangents = pile.phase == Phase::KajiyaKay;
-    let (side, layers) = (pile.resolution as usize, pile.layers as usize);
-    let count = kinds.len() * pile.variants as usize * layers * side * side;
-    let voxel = |index: usize| {
-        let at = |n: usize, k: usize, size: f64| ((k % n) as f64 + 0.5) / n as f64 * size;
-        let (a, b) = (index, index / side);
-        let layer = index / (side * side);
-        let kind = kinds[layer / layers / pile.variants as usize];
-        let w = at(layers, layer, size[2]) - 0.5 * size[2];
-        yarn(
-            pile,
-            kind,
-            size,
-            [at(side, a, size[0]), at(side, b, size[1]), w],
-        )
-    };
-    let yarns: Vec<(f64, [f64; 2])> = (0..count).into_par_iter().map(voxel).collect();
-    let byte = |x: f64| (x * 255.0).round() as u8;
-    let tangent = |&(density, [x, y]): &(f64, [f64; 2])| {
-        [x * x, y * y, 0.0, x * y, 0.0, 0.0, 0.0, 0.0].map(|t| (t * density * 127.0).round() as i8)
-    };
+    let volumes: Vec<(PileKind, u32)> = kinds
+        .iter()
+        .flat_map(|&kind| (0..pile.variants).map(move |variant| (kind, variant)))
+        .collect();
+    let cells: Vec<Vec<Cell>> = volumes
+        .par_iter()
+        .map(|&(kind, variant)| match kind {
+            PileKind::Terry => volume(&terry::Terry::new(pile, size, variant), pile, size, variant),
+            PileKind::Cut => volume(&cut::Cut::new(pile, size, variant), pile, size, variant),
+        })
+        .collect();
+    let cells = || cells.iter().flatten();
     Volumes {
         resolution: pile.resolution,
         layers: pile.layers,
@@ -41,40 +80,104 @@ pub fn rasterise(pile: &Pile, kinds: &[PileKind], reference_length_mm: f64) -> V
         kinds: kinds.to_vec(),
         interpolation: pile.interpolation,
         root_blend: pile.root_blend as f32,
-        voxels: yarns
-            .iter()
-            .map(|&(density, _)| [byte(density); 2])
-            .collect(),
+        voxels: cells().map(Cell::voxel).collect(),
         tangents: if with_tangents {
-            yarns.iter().map(tangent).collect()
+            cells().map(Cell::tangent).collect()
         } else {
             Vec::new()
         },
-        reference_size_mm: size.map(|s| s as f32),
+        reference_size_mm: [size.width as f32, size.length as f32, size.thickness as f32],
     }
 }
 
-/// Density and fibre direction (in the patch's plane) of the yarn at a point.
-fn yarn(
-    pile: &Pile,
-    kind: PileKind,
-    [width, length, thickness]: [f64; 3],
-    [x, y, w]: [f64; 3],
-) -> (f64, [f64; 2]) {
-    let radius = 0.5 * pile.yarn_diameter.min(width).min(thickness).min(length);
-    let from_middle = x - 0.5 * width;
-    let (distance, tangent) = match kind {
-        PileKind::Cut => (from_middle.abs(), [0.0, 1.0]),
-        PileKind::Terry => {
-            // Legs at ± `leg`, joined by half a circle that touches the patch's top with its outer side.
-            let leg = (0.5 * width - radius).min(length - radius);
-            let above = (y - (length - radius - leg)).max(0.0);
-            let from_centre = from_middle.hypot(above).max(1e-9);
-            let along = [-above / from_centre, from_middle / from_centre];
-            ((from_centre - leg).abs(), along)
+/// Sums over one voxel.
+#[derive(Debug, Clone, Copy, Default)]
+struct Cell {
+    density: f64,
+    shaded: f64,
+    /// xx, yy, zz, xy, xz, yz of Σ ρ·ttᵀ.
+    directions: [f64; 6],
+}
+
+impl Cell {
+    /// Adds yarn with the given weight, up to solid: denser than that fibres cannot be packed.
+    fn add(&mut self, yarn: Yarn, weight: f64) {
+        let density = (yarn.density * weight).min(1.0 - self.density);
+        let t = yarn.tangent;
+        self.density += density;
+        self.shaded += density * yarn.shade;
+        let products = [
+            t.x * t.x,
+            t.y * t.y,
+            t.z * t.z,
+            t.x * t.y,
+            t.x * t.z,
+            t.y * t.z,
+        ];
+        for (sum, product) in self.directions.iter_mut().zip(products) {
+            *sum += density * product;
         }
+    }
+
+    fn voxel(&self) -> [u8; 2] {
+        [self.density, self.shaded].map(|value| (value.clamp(0.0, 1.0) * 255.0).round() as u8)
+    }
+
+    fn tangent(&self) -> [i8; 8] {
+        let mut packed = [0; 8];
+        for (byte, value) in packed.iter_mut().zip(self.directions) {
+            *byte = (value.clamp(-1.0, 1.0) * 127.0).round() as i8;
+        }
+        packed
+    }
+}
+
+/// All voxels of one loop: u fastest, then v, then layers.
+fn volume(field: &impl Field, pile: &Pile, size: LoopSize, variant: u32) -> Vec<Cell> {
+    let (resolution, layers) = (pile.resolution as usize, pile.layers as usize);
+    let mut cells = vec![Cell::default(); layers * resolution * resolution];
+    let share = 1.0 / (SUPERSAMPLES * SUPERSAMPLES * SUPERSAMPLES) as f64;
+    let middle = |index: usize, sub: usize, count: usize| {
+        (index as f64 + (sub as f64 + 0.5) / SUPERSAMPLES as f64) / count as f64
     };
-    // Density falls off over the yarn's outer fifth.
-    let edge = ((1.0 - distance.hypot(w) / radius) / 0.2).clamp(0.0, 1.0);
-    (edge * edge * (3.0 - 2.0 * edge), tangent)
+    cells
+        .par_chunks_mut(resolution)
+        .enumerate()
+        .for_each(|(row, cells)| {
+            let (layer, b) = (row / resolution, row % resolution);
+            for (a, cell) in cells.iter_mut().enumerate() {
+                for sub in 0..SUPERSAMPLES.pow(3) {
+                    let (su, sv, sw) = (
+                        sub % SUPERSAMPLES,
+                        sub / SUPERSAMPLES % SUPERSAMPLES,
+                        sub / SUPERSAMPLES.pow(2),
+                    );
+                    let point = DVec3::new(
+                        (middle(a, su, resolution) - 0.5) * size.width,
+                        middle(b, sv, resolution) * size.length,
+                        (middle(layer, sw, layers) - 0.5) * size.thickness,
+                    );
+                    cell.add(field.yarn(point), share);
+                }
+            }
+        });
+    Hair::new(pile, size, variant).draw(field, &mut cells);
+    cells
+}
+
+/// The random generator of one variant for one purpose.
+fn variant_random(variant: u32, purpose: u32) -> Pcg {
+    Pcg::new(hash_with(0x70e1, purpose), variant)
+}
+
+/// A random number in [−1, 1).
+fn signed(random: &mut Pcg) -> f64 {
+    2.0 * f64::from(random.next_float()) - 1.0
+}
+
+/// 1 inside, 0 outside, smooth over the outer part of a round yarn: `radius` is 1 at its surface.
+fn falloff(radius: f64) -> f64 {
+    const SOLID: f64 = 0.75;
+    let x = ((1.0 - radius) / (1.0 - SOLID)).clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
 }

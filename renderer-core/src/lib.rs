@@ -8,7 +8,7 @@
 //! - [`scene`]: a design resolved: loop frames, cell lists, loop volumes, skeleton, lights.
 //! - [`geometry`], [`sampling`]: bilinear patches and random sequences, without knowledge of scenes.
 //! - [`render`]: what the backends share: request, camera, progress.
-//! - [`reference`]: plain scalar f64, the oracle. [`cpu`]: all cores. [`gpu`]: wgpu compute.
+//! - [`mod@reference`]: plain scalar f64, the oracle. [`cpu`]: all cores. [`gpu`]: wgpu compute.
 //! - [`image`]: pictures, their display, files and differences.
 
 pub mod cpu;

@@ -1,1 +1,3 @@
-//! reference
+//! The reference renderer against brute force, quadrature and closed forms; its backends.
+
+mod backends;

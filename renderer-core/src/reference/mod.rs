@@ -1,1 +1,103 @@
-//! reference
+//! The plain renderer: scalar f64, written from the model's equations (MODEL.md §5 to §9); what the others are held to.
+//!
+//! The paper's §6 has six steps. Steps 1 and 2, skeleton and loop frames, are [`crate::scene`]'s. For each ray:
+//!
+//! - step 3, reflection of the yarn loops the ray crosses: `single` finds the crossings of a loop, `scatter` says how the chosen point scatters;
+//! - step 4, transmission through the loops: `first_event` composites crossings front to back, and shadow rays
+//!   multiply what they let through;
+//! - step 5, the skeleton and the loops on its other side, seen through its gaps: `skeleton`, and the one grid
+//!   walk (`walk`) over loops of both faces;
+//! - step 6, the sum of all these: `path`.
+//!
+//! Nothing is cached and nothing skipped beyond the ranges of height that the cells carry, so that it stays plain.
+
+mod backend;
+mod first_event;
+mod path;
+mod scatter;
+mod single;
+mod skeleton;
+mod volume;
+mod walk;
+
+use std::sync::Arc;
+
+use glam::{DVec2, DVec3};
+
+use crate::geometry::Ray;
+use crate::render::accumulation::Sample;
+use crate::render::{Camera, Counters, RenderRequest, Settings};
+use crate::scene::Scene;
+
+pub use backend::ReferenceBackend;
+pub use scatter::{Lobe, Optics, Vertex};
+pub use skeleton::{SkeletonHit, Yarns};
+pub use walk::{CellSpan, Grid, LoopPlace};
+
+/// Draws samples of one request.
+#[derive(Debug)]
+pub struct Tracer {
+    scene: Arc<Scene>,
+    camera: Camera,
+    size: [u32; 2],
+    settings: Settings,
+    grid: Grid,
+    yarns: Option<Yarns>,
+    optics: Optics,
+}
+
+/// Memory that rays reuse, one for each thread, and what they counted.
+#[derive(Debug, Default)]
+pub struct Scratch {
+    /// Work done since it was last taken.
+    pub counters: Counters,
+    events: Vec<first_event::Event>,
+}
+
+impl AsMut<Counters> for Scratch {
+    fn as_mut(&mut self) -> &mut Counters {
+        &mut self.counters
+    }
+}
+
+impl Tracer {
+    /// Prepares for `request`.
+    pub fn new(request: &RenderRequest) -> Self {
+        let scene = Arc::clone(&request.scene);
+        let yarns = scene
+            .skeleton
+            .visible
+            .then(|| Yarns::new(&scene.sheet, &scene.skeleton));
+        Self {
+            camera: request.camera,
+            size: request.size,
+            settings: request.settings,
+            grid: Grid::new(&scene.sheet, &scene.loops, yarns.as_ref()),
+            optics: Optics::new(&scene.pile),
+            yarns,
+            scene,
+        }
+    }
+
+    /// Sample `number` of `pixel` of the whole picture.
+    pub fn sample(&self, pixel: [u32; 2], number: u32, scratch: &mut Scratch) -> Sample {
+        path::PathTracer::new(self, pixel, number, scratch).sample()
+    }
+
+    /// The camera's ray through `point`, in pixels from the top left.
+    pub fn camera_ray(&self, point: DVec2) -> Ray {
+        let (origin, direction) = self.camera.ray(point, self.size);
+        Ray { origin, direction }
+    }
+
+    /// The grid of cells.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// World position of the origin of coordinates of a loop planted in `cell`.
+    fn cell_origin(&self, [i, j]: [i64; 2]) -> DVec3 {
+        let [x, y] = self.scene.sheet.cell_centre(i, j);
+        DVec3::new(x, y, 0.0)
+    }
+}

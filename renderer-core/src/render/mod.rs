@@ -4,7 +4,9 @@
 //! time. If a request differs from the last, accumulation starts again. Display settings (exposure, tone map) are not
 //! part of it.
 
+pub mod accumulation;
 mod camera;
+pub mod progressive;
 
 pub use camera::{Camera, Projection, RayTile};
 
@@ -102,6 +104,27 @@ pub struct Counters {
     pub contributing_hits: u64,
     /// Tiles not rendered because nothing can be seen in them.
     pub skipped_tiles: u64,
+}
+
+impl std::ops::AddAssign for Counters {
+    fn add_assign(&mut self, other: Self) {
+        let Self {
+            rays,
+            shadow_rays,
+            cells,
+            patch_tests,
+            volume_samples,
+            contributing_hits,
+            skipped_tiles,
+        } = other;
+        self.rays += rays;
+        self.shadow_rays += shadow_rays;
+        self.cells += cells;
+        self.patch_tests += patch_tests;
+        self.volume_samples += volume_samples;
+        self.contributing_hits += contributing_hits;
+        self.skipped_tiles += skipped_tiles;
+    }
 }
 
 /// Why a backend cannot do what it was asked.

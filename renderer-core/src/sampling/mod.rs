@@ -8,6 +8,8 @@
 //! Which set serves what ([`Set`]): set 0 places the ray; every scattering has its own sets for each light and for
 //! the way on. Free paths of `tracked` come from [`Pcg`], since their number has no bound.
 
+pub mod directions;
+
 /// Scrambles of every picture.
 pub const SCRAMBLES: u32 = 4;
 

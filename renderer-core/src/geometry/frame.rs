@@ -1,0 +1,112 @@
+//! The frame of a yarn loop: a bilinear patch made thick along one constant normal (MODEL.md §4).
+//!
+//! X(u,v,w) = P(u,v) + w·h·n̂ with n̂ = (b × c)/|b × c| and w in [−½, ½]. Because n̂ is constant, a point is inverted by
+//! projecting it along n̂ onto the plane of b and c, where A's part is αb + βc.
+
+use glam::DVec3;
+
+use super::BilinearPatch;
+
+/// A patch with its thickness: the space of one loop.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LoopFrame {
+    /// The patch at w = 0.
+    pub patch: BilinearPatch,
+    /// n̂: direction of the thickness, unit vector.
+    pub normal: DVec3,
+    /// h: thickness along n̂, mm.
+    pub thickness: f64,
+    /// A·n̂: how far the twist lifts the patch's corners out of the plane of b and c, times 4, mm.
+    pub lift: f64,
+    /// The part of A in the plane of b and c is `alpha`·b + `beta`·c.
+    pub alpha: f64,
+    /// See `alpha`.
+    pub beta: f64,
+    /// Dual vectors of b and c in their plane: `dual_u`·b = 1, `dual_u`·c = 0, and the other way round.
+    dual_u: DVec3,
+    dual_v: DVec3,
+}
+
+/// How u, v and w change along a ray, per mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Slopes {
+    /// u′.
+    pub u: f64,
+    /// v′.
+    pub v: f64,
+    /// w′.
+    pub w: f64,
+}
+
+impl LoopFrame {
+    /// The frame about `patch`, whose b and c are not parallel, `thickness` mm thick.
+    pub fn new(patch: BilinearPatch, thickness: f64) -> Self {
+        let BilinearPatch {
+            along_u,
+            along_v,
+            twist,
+            ..
+        } = patch;
+        let area = along_u.cross(along_v);
+        let squared = area.length_squared();
+        let normal = area / squared.sqrt();
+        let dual_u = along_v.cross(area) / squared;
+        let dual_v = area.cross(along_u) / squared;
+        Self {
+            patch,
+            normal,
+            thickness,
+            lift: twist.dot(normal),
+            alpha: twist.dot(dual_u),
+            beta: twist.dot(dual_v),
+            dual_u,
+            dual_v,
+        }
+    }
+
+    /// The point X(u, v, w).
+    pub fn at(&self, [u, v, w]: [f64; 3]) -> DVec3 {
+        self.patch.at(u, v) + self.normal * (w * self.thickness)
+    }
+
+    /// ∂X/∂u, ∂X/∂v, ∂X/∂w at (u, v); they do not depend on w.
+    pub fn jacobian(&self, u: f64, v: f64) -> [DVec3; 3] {
+        let [along_u, along_v] = self.patch.tangents(u, v);
+        [along_u, along_v, self.normal * self.thickness]
+    }
+
+    /// J⁻¹·`direction` at (u, v): how the coordinates change along a ray there.
+    pub fn slopes(&self, u: f64, v: f64, direction: DVec3) -> Slopes {
+        let [along_u, along_v] = self.patch.tangents(u, v);
+        let v_cross = along_v.cross(self.normal);
+        let inverse = 1.0 / along_u.dot(v_cross);
+        Slopes {
+            u: direction.dot(v_cross) * inverse,
+            v: direction.dot(self.normal.cross(along_u)) * inverse,
+            w: direction.dot(along_u.cross(along_v)) * inverse / self.thickness,
+        }
+    }
+
+    /// Coordinates (u, v, w) of a point, if it is inside: u and v in [0, 1], w in [−½, ½]. Exact for convex frames.
+    ///
+    /// With p, q the coordinates of the projected point in the basis (b, c): p = u′(1 + αv′), q = v′(1 + βu′).
+    pub fn invert(&self, point: DVec3) -> Option<[f64; 3]> {
+        let offset = point - self.patch.centre;
+        let height = offset.dot(self.normal);
+        let (p, q) = (offset.dot(self.dual_u), offset.dot(self.dual_v));
+        let linear = 1.0 + self.alpha * q - self.beta * p;
+        let discriminant = linear * linear + 4.0 * self.beta * p;
+        if discriminant < 0.0 {
+            return None;
+        }
+        let u = 2.0 * p / (linear + discriminant.sqrt());
+        let v = q / (1.0 + self.beta * u);
+        let w = (height - u * v * self.lift) / self.thickness;
+        let half = -0.5..=0.5;
+        (half.contains(&u) && half.contains(&v) && half.contains(&w)).then_some([
+            u + 0.5,
+            v + 0.5,
+            w,
+        ])
+    }
+}

@@ -1,0 +1,126 @@
+//! Compositing along a ray for `single` and `layered`: which event a camera ray shows, and what a shadow ray lets through
+//! (MODEL.md §9; the paper's §6, steps 3 to 5).
+
+use super::single::Crossing;
+use super::volume::LoopVolume;
+use super::{CellSpan, LoopPlace, Scratch, SkeletonHit, Tracer, Vertex};
+use crate::geometry::Ray;
+use crate::render::Counters;
+
+/// Transmittance of a shadow ray below which it counts as dark: invisible in 8 bits, several loops earlier than 0.
+const DARK: f64 = 1e-4;
+
+/// Something that takes light from a ray.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Event {
+    /// Place in the order of events, mm along the ray.
+    t: f64,
+    /// Share of light that goes no further.
+    opacity: f64,
+    what: EventKind,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum EventKind {
+    /// `single`: a loop crossed.
+    Loop(LoopPlace, Crossing),
+    Skeleton(SkeletonHit),
+}
+
+impl Tracer {
+    /// The first event at which the transmittance along a camera ray falls below `xi`, as the point that scatters; each
+    /// event is chosen with its share T·opacity of the light, so that the point counts with weight 1.
+    pub(super) fn first_event(&self, ray: &Ray, xi: f64, scratch: &mut Scratch) -> Option<Vertex> {
+        scratch.counters.rays += 1;
+        let mut transmittance = 1.0;
+        for span in self.grid.walk(ray) {
+            scratch.counters.cells += 1;
+            scratch.events.clear();
+            // Step 5: the skeleton is opaque. Loops of the far side are met in cells behind its gaps.
+            if let Some(hit) = self.skeleton_hit(ray, &span) {
+                scratch.events.push(Event {
+                    t: hit.t,
+                    opacity: 1.0,
+                    what: EventKind::Skeleton(hit),
+                });
+            }
+            let Scratch { events, counters } = scratch;
+            // Step 3: all loops crossed in this cell.
+            self.for_each_event(ray, &span, counters, |event| events.push(event));
+            events.sort_by(|a, b| a.t.total_cmp(&b.t));
+            for event in events.iter() {
+                // Step 4: what each lets through.
+                transmittance *= 1.0 - event.opacity;
+                if transmittance < xi {
+                    return Some(self.vertex_of(ray, event));
+                }
+            }
+        }
+        None
+    }
+
+    /// Share of light that comes through along a shadow ray.
+    pub(super) fn composited_visibility(&self, ray: &Ray, scratch: &mut Scratch) -> f64 {
+        scratch.counters.shadow_rays += 1;
+        let mut transmittance = 1.0;
+        for span in self.grid.walk(ray) {
+            scratch.counters.cells += 1;
+            if self.skeleton_hit(ray, &span).is_some() {
+                return 0.0;
+            }
+            self.for_each_event(ray, &span, &mut scratch.counters, |event| {
+                transmittance *= 1.0 - event.opacity;
+            });
+            if transmittance < DARK {
+                return 0.0;
+            }
+        }
+        transmittance
+    }
+
+    /// The skeleton in one cell.
+    pub(super) fn skeleton_hit(&self, ray: &Ray, span: &CellSpan) -> Option<SkeletonHit> {
+        let yarns = self.yarns.as_ref()?;
+        yarns.hit(&self.grid, ray, span, self.cell_origin(span.cell))
+    }
+
+    /// The events of loops whose place on the ray lies in `span`.
+    fn for_each_event(
+        &self,
+        ray: &Ray,
+        span: &CellSpan,
+        counters: &mut Counters,
+        mut found: impl FnMut(Event),
+    ) {
+        let layers = self.scene.volumes.layers;
+        for place in self.loops_in(span.cell).within(span.heights(ray)) {
+            let ray = ray.relative_to(self.cell_origin(place.cell));
+            self.for_each_crossing(&ray, place, counters, |crossing, counters| {
+                if !span.holds(crossing.t()) {
+                    return;
+                }
+                let depth = crossing.optical_depth(&self.volume(place), layers, counters);
+                if depth > 0.0 {
+                    counters.contributing_hits += 1;
+                    found(Event {
+                        t: crossing.t(),
+                        opacity: -(-depth).exp_m1(),
+                        what: EventKind::Loop(place, crossing),
+                    });
+                }
+            });
+        }
+    }
+
+    /// The point at which an event scatters.
+    fn vertex_of(&self, ray: &Ray, event: &Event) -> Vertex {
+        match event.what {
+            EventKind::Loop(place, crossing) => {
+                let volume: LoopVolume<'_> = self.volume(place);
+                let mean = crossing.mean_point(&volume, self.scene.volumes.layers);
+                self.loop_vertex(ray, place, mean.t, mean.place, mean.shade)
+            }
+            EventKind::Skeleton(hit) => self.skeleton_vertex(ray, hit),
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! Reading the voxels inside a loop (MODEL.md §5): bilinear in u and v, clamped; nearest or linear across layers.
+//!
+//! What is interpolated is ρ, ρ·shade and ρ·ttᵀ; the last two are divided by ρ afterwards.
+
+use glam::{DMat3, DVec3};
+
+use crate::design::Interpolation;
+use crate::scene::{LoopLook, Material, PileOptics, Volumes};
+
+/// The volume of one loop.
+#[derive(Debug, Clone, Copy)]
+pub struct LoopVolume<'a> {
+    volumes: &'a Volumes,
+    /// Index of its first voxel.
+    first: usize,
+    /// Extinction where ρ = 1, 1/mm.
+    pub density_per_mm: f64,
+}
+
+/// What a point of a volume holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VolumePoint {
+    /// ρ, faded out towards the root.
+    pub rho: f64,
+    /// Factor on the albedo.
+    pub shade: f64,
+}
+
+/// Two neighbouring texels and the share of the second.
+#[derive(Clone, Copy)]
+struct Pair {
+    near: usize,
+    far: usize,
+    share: f64,
+}
+
+impl Pair {
+    /// The texels about `place` in [0, 1] among `count`, texel k being centred at (k + ½)/count; clamped at the ends.
+    fn linear(place: f64, count: u32) -> Self {
+        let last = f64::from(count - 1);
+        let x = (place * f64::from(count) - 0.5).clamp(0.0, last);
+        let near = x.floor();
+        Self {
+            near: near as usize,
+            far: (near + 1.0).min(last) as usize,
+            share: x - near,
+        }
+    }
+
+    fn nearest(place: f64, count: u32) -> Self {
+        let index = (place * f64::from(count))
+            .floor()
+            .clamp(0.0, f64::from(count - 1)) as usize;
+        Self {
+            near: index,
+            far: index,
+            share: 0.0,
+        }
+    }
+
+    fn terms(self) -> [(usize, f64); 2] {
+        [(self.near, 1.0 - self.share), (self.far, self.share)]
+    }
+}
+
+impl<'a> LoopVolume<'a> {
+    /// The volume of a loop that looks like `look`.
+    pub fn new(volumes: &'a Volumes, pile: &PileOptics, look: LoopLook) -> Self {
+        let Material {
+            density_per_mm,
+            kind,
+        } = pile.materials[usize::from(look.material)];
+        let layers = (kind * volumes.variants + u32::from(look.variant)) * volumes.layers;
+        Self {
+            volumes,
+            first: layers as usize * (volumes.resolution as usize).pow(2),
+            density_per_mm: f64::from(density_per_mm),
+        }
+    }
+
+    /// Adds up `read(voxel index)` over the voxels around (u, v, w) with their weights, through `add(value, weight)`.
+    fn interpolate(&self, [u, v, w]: [f64; 3], mut add: impl FnMut(usize, f64)) {
+        let resolution = self.volumes.resolution;
+        let across = match self.volumes.interpolation {
+            Interpolation::Linear => Pair::linear(w + 0.5, self.volumes.layers),
+            Interpolation::Nearest => Pair::nearest(w + 0.5, self.volumes.layers),
+        };
+        let (along_u, along_v) = (Pair::linear(u, resolution), Pair::linear(v, resolution));
+        let side = resolution as usize;
+        for (layer, layer_weight) in across.terms() {
+            if layer_weight == 0.0 {
+                continue;
+            }
+            for (row, row_weight) in along_v.terms() {
+                let row_start = self.first + (layer * side + row) * side;
+                for (column, column_weight) in along_u.terms() {
+                    add(
+                        row_start + column,
+                        layer_weight * row_weight * column_weight,
+                    );
+                }
+            }
+        }
+    }
+
+    /// ρ and shade at (u, v, w).
+    pub fn at(&self, place: [f64; 3]) -> VolumePoint {
+        let (mut rho, mut rho_shade) = (0.0, 0.0);
+        self.interpolate(place, |voxel, weight| {
+            let [density, shaded] = self.volumes.voxels[voxel];
+            rho += weight * f64::from(density);
+            rho_shade += weight * f64::from(shaded);
+        });
+        VolumePoint {
+            rho: rho / 255.0 * fade(place[1], f64::from(self.volumes.root_blend)),
+            shade: if rho > 0.0 { rho_shade / rho } else { 1.0 },
+        }
+    }
+
+    /// The fibre's direction at (u, v, w) in the coordinates (u, v, w), not normalised: the main axis of the mean ttᵀ.
+    pub fn tangent(&self, place: [f64; 3]) -> DVec3 {
+        let mut sums = [0.0; 6];
+        self.interpolate(place, |voxel, weight| {
+            for (sum, value) in sums.iter_mut().zip(self.volumes.tangents[voxel]) {
+                *sum += weight * f64::from(value);
+            }
+        });
+        let [xx, yy, zz, xy, xz, yz] = sums;
+        let tensor = DMat3::from_cols(
+            DVec3::new(xx, xy, xz),
+            DVec3::new(xy, yy, yz),
+            DVec3::new(xz, yz, zz),
+        );
+        main_axis(tensor) / DVec3::from_array(self.volumes.reference_size_mm.map(f64::from))
+    }
+}
+
+/// Share of the density that a loop has at height `v` above its root.
+fn fade(v: f64, root_blend: f64) -> f64 {
+    if root_blend <= 0.0 {
+        return 1.0;
+    }
+    let x = (v / root_blend).clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
+}
+
+/// The unit eigenvector of the largest eigenvalue of a symmetric matrix that is (nearly) positive semidefinite; the y axis,
+/// along the loop, for a matrix without a direction.
+///
+/// Repeated squaring: M² has the same eigenvectors and squared eigenvalues, so that after 8 squarings anything below
+/// 0.9 of the largest has dropped below 10⁻¹¹ of it.
+pub fn main_axis(matrix: DMat3) -> DVec3 {
+    let mut power = matrix;
+    for _ in 0..8 {
+        let trace = power.x_axis.x + power.y_axis.y + power.z_axis.z;
+        if trace <= 0.0 {
+            return DVec3::Y;
+        }
+        power *= 1.0 / trace;
+        power = power * power;
+    }
+    let columns = [power.x_axis, power.y_axis, power.z_axis];
+    let longest = columns.into_iter().fold(DVec3::ZERO, |longest, column| {
+        if column.length_squared() > longest.length_squared() {
+            column
+        } else {
+            longest
+        }
+    });
+    longest.normalize_or(DVec3::Y)
+}

@@ -1,0 +1,279 @@
+//! Accumulation on the host: sums per pixel, their mean, and an estimate of the mean's error.
+//!
+//! Pixels are stored tile by tile, so that each tile can be drawn by another thread. A pixel adds its samples in their
+//! order 0, 1, 2 …, whatever the order of tiles, slices and threads, so that its sums have the same bits every time.
+
+use glam::DVec3;
+
+use super::Counters;
+use crate::image::{Aov, Picture};
+use crate::sampling::SCRAMBLES;
+
+/// Side of a tile, pixels.
+pub const TILE_SIDE: u32 = 16;
+
+/// Steps between the pixels drawn by the passes of the first sample: a coarse whole picture first.
+const STRIDES: [u32; 5] = [16, 8, 4, 2, 1];
+
+/// Luminance of linear RGB (Rec. 709).
+fn luminance(rgb: DVec3) -> f64 {
+    rgb.dot(DVec3::new(0.2126, 0.7152, 0.0722))
+}
+
+/// What one sample of a pixel found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample {
+    /// Linear radiance, background included.
+    pub radiance: DVec3,
+    /// Where the ray met the cloth, if it did.
+    pub first: Option<FirstHit>,
+}
+
+/// The first scattering of a sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FirstHit {
+    /// Distance from the eye, mm.
+    pub depth_mm: f64,
+    /// Unit normal, turned towards the eye, world space.
+    pub normal: DVec3,
+    /// Albedo, linear.
+    pub albedo: DVec3,
+}
+
+/// One pass over all tiles. The first sample takes a pass for every stride, each later sample one pass.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Pass(u32);
+
+impl Pass {
+    /// The pass after this one.
+    pub fn next(self) -> Self {
+        Self(self.0 + 1)
+    }
+
+    /// Which sample of a pixel this pass draws.
+    pub fn sample(self) -> u32 {
+        self.0.saturating_sub(STRIDES.len() as u32 - 1)
+    }
+
+    /// Whole samples of every pixel before this pass.
+    pub fn samples_before(self) -> u32 {
+        self.sample()
+    }
+
+    /// Whether this pass draws the pixel (x, y) of a tile.
+    fn draws(self, x: u32, y: u32) -> bool {
+        let on = |stride: u32| x.is_multiple_of(stride) && y.is_multiple_of(stride);
+        match self.0 as usize {
+            0 => on(STRIDES[0]),
+            level if level < STRIDES.len() => on(STRIDES[level]) && !on(STRIDES[level - 1]),
+            _ => true,
+        }
+    }
+}
+
+/// Sums of one pixel.
+#[derive(Debug, Clone, Copy, Default)]
+struct PixelSums {
+    radiance: DVec3,
+    luminance: [f64; SCRAMBLES as usize],
+    samples: u32,
+    covered: u32,
+}
+
+/// Sums of one pixel's extra channels over the samples that met cloth.
+#[derive(Debug, Clone, Copy, Default)]
+struct AovSums {
+    depth: f64,
+    normal: DVec3,
+    albedo: DVec3,
+}
+
+/// A square of pixels (smaller at the picture's right and lower edges).
+#[derive(Debug, Clone)]
+pub struct Tile {
+    origin: [u32; 2],
+    size: [u32; 2],
+    pixels: Vec<PixelSums>,
+    aov: Vec<AovSums>,
+    /// The pass this tile is in, and the row it draws next.
+    pass: Pass,
+    row: u32,
+    /// Work done in this tile.
+    pub counters: Counters,
+}
+
+impl Tile {
+    /// Whether `pass` is drawn.
+    pub fn has_finished(&self, pass: Pass) -> bool {
+        self.pass.0 > pass.0
+    }
+
+    /// Draws the next row of the current pass with `draw(pixel of the accumulation, sample)`.
+    pub fn draw_row(&mut self, mut draw: impl FnMut([u32; 2], u32) -> Sample) {
+        let (pass, y) = (self.pass, self.row);
+        for x in (0..self.size[0]).filter(|&x| pass.draws(x, y)) {
+            let sample = draw([self.origin[0] + x, self.origin[1] + y], pass.sample());
+            self.add((y * self.size[0] + x) as usize, pass.sample(), &sample);
+        }
+        self.row += 1;
+        if self.row == self.size[1] {
+            (self.pass, self.row) = (pass.next(), 0);
+        }
+    }
+
+    fn add(&mut self, index: usize, number: u32, sample: &Sample) {
+        let pixel = &mut self.pixels[index];
+        pixel.radiance += sample.radiance;
+        pixel.luminance[(number % SCRAMBLES) as usize] += luminance(sample.radiance);
+        pixel.samples += 1;
+        if let Some(first) = &sample.first {
+            pixel.covered += 1;
+            if let Some(aov) = self.aov.get_mut(index) {
+                aov.depth += first.depth_mm;
+                aov.normal += first.normal;
+                aov.albedo += first.albedo;
+            }
+        }
+    }
+
+    /// Index of (x, y), or of the nearest coarser pixel that has a sample.
+    fn nearest_drawn(&self, x: u32, y: u32) -> Option<usize> {
+        STRIDES
+            .iter()
+            .rev()
+            .map(|stride| ((y - y % stride) * self.size[0] + x - x % stride) as usize)
+            .find(|&index| self.pixels[index].samples > 0)
+    }
+}
+
+/// Sums of all pixels of a picture.
+#[derive(Debug, Clone)]
+pub struct Accumulation {
+    size: [u32; 2],
+    /// The tiles, row by row.
+    pub tiles: Vec<Tile>,
+}
+
+impl Accumulation {
+    /// Nothing yet, for a picture of `size` pixels; `aov` makes room for extra channels.
+    pub fn new(size: [u32; 2], aov: bool) -> Self {
+        let [columns, rows] = size.map(|side| side.div_ceil(TILE_SIDE));
+        let tile = |index: u32| {
+            let origin = [index % columns * TILE_SIDE, index / columns * TILE_SIDE];
+            let tile_size = [0, 1].map(|axis| TILE_SIDE.min(size[axis] - origin[axis]));
+            let count = (tile_size[0] * tile_size[1]) as usize;
+            Tile {
+                origin,
+                size: tile_size,
+                pixels: vec![PixelSums::default(); count],
+                aov: vec![AovSums::default(); if aov { count } else { 0 }],
+                pass: Pass::default(),
+                row: 0,
+                counters: Counters::default(),
+            }
+        };
+        Self {
+            size,
+            tiles: (0..columns * rows).map(tile).collect(),
+        }
+    }
+
+    /// Bytes of all sums.
+    pub fn bytes(&self) -> u64 {
+        let tile = |tile: &Tile| size_of_val(&*tile.pixels) + size_of_val(&*tile.aov);
+        self.tiles.iter().map(|t| tile(t) as u64).sum()
+    }
+
+    /// Estimated relRMSE of the mean picture (MODEL.md §11), from the spread of the means of the four scrambles of every
+    /// pixel; `None` until every scramble has a sample everywhere.
+    ///
+    /// The four means are independent, so the variance of their mean is Σ(mᵢ − m)²/(4·3). Samples within one
+    /// scramble are not independent, and their own spread would tell nothing about it (MODEL.md §10).
+    pub fn error_estimate(&self) -> Option<f64> {
+        const N: f64 = SCRAMBLES as f64;
+        let (mut variance, mut sum, mut count) = (0.0, 0.0, 0.0);
+        for pixel in self.tiles.iter().flat_map(|tile| &tile.pixels) {
+            if pixel.samples < SCRAMBLES {
+                return None;
+            }
+            let mut means = pixel.luminance;
+            for (scramble, mean) in (0..).zip(&mut means) {
+                *mean /= f64::from((pixel.samples + SCRAMBLES - 1 - scramble) / SCRAMBLES);
+            }
+            let mean = means.iter().sum::<f64>() / N;
+            let spread: f64 = means.iter().map(|m| (m - mean).powi(2)).sum();
+            variance += spread / (N * (N - 1.0));
+            sum += mean;
+            count += 1.0;
+        }
+        // A black picture has no relative error; its spread is 0 as well.
+        Some(if sum > 0.0 {
+            (variance / count).sqrt() / (sum / count)
+        } else {
+            0.0
+        })
+    }
+
+    /// The mean of the samples so far; a pixel that has none shows the nearest that has.
+    pub fn picture(&self) -> Picture {
+        let [width, height] = self.size.map(|side| side as usize);
+        let has_aov = self.tiles.iter().any(|tile| !tile.aov.is_empty());
+        let mut pixels = vec![[0.0; 4]; width * height];
+        let mut aov = has_aov.then(|| Aov {
+            depth: vec![0.0; width * height],
+            normal: vec![[0.0; 3]; width * height],
+            albedo: vec![[0.0; 3]; width * height],
+        });
+        for (tile, source) in self.tiles.iter().zip(self.drawn_tiles()) {
+            let Some(source) = source else { continue };
+            for y in 0..tile.size[1] {
+                for x in 0..tile.size[0] {
+                    // A tile that borrows from another one shows that one's first pixel.
+                    let found = if std::ptr::eq(tile, source) {
+                        tile.nearest_drawn(x, y)
+                    } else {
+                        source.nearest_drawn(0, 0)
+                    };
+                    let Some(from) = found else { continue };
+                    let to = (tile.origin[1] + y) as usize * width + (tile.origin[0] + x) as usize;
+                    let sums = &source.pixels[from];
+                    let scale = 1.0 / f64::from(sums.samples);
+                    let [r, g, b] = (sums.radiance * scale).as_vec3().to_array();
+                    pixels[to] = [r, g, b, (f64::from(sums.covered) * scale) as f32];
+                    if let Some(aov) = aov.as_mut().filter(|_| sums.covered > 0) {
+                        let (sums, scale) = (&source.aov[from], 1.0 / f64::from(sums.covered));
+                        aov.depth[to] = (sums.depth * scale) as f32;
+                        aov.normal[to] = (sums.normal * scale).as_vec3().to_array();
+                        aov.albedo[to] = (sums.albedo * scale).as_vec3().to_array();
+                    }
+                }
+            }
+        }
+        Picture {
+            size: self.size,
+            pixels,
+            aov,
+        }
+    }
+
+    /// For every tile the one that its pixels are taken from: itself if it has begun, else the nearest before it in
+    /// the order of drawing, else the nearest after it.
+    fn drawn_tiles(&self) -> Vec<Option<&Tile>> {
+        let mut last = None;
+        let mut sources: Vec<_> = self
+            .tiles
+            .iter()
+            .map(|tile| {
+                if tile.pixels[0].samples > 0 {
+                    last = Some(tile);
+                }
+                last
+            })
+            .collect();
+        let first = sources.iter().flatten().next().copied();
+        for source in sources.iter_mut().take_while(|source| source.is_none()) {
+            *source = first;
+        }
+        sources
+    }
+}

@@ -1,0 +1,186 @@
+//! The loop of a renderer on the host: from a request and a way to draw one sample to a growing picture.
+//!
+//! Work goes out pass by pass over tiles of 16 × 16 pixels; the clock and the cancel flag are looked at after every row
+//! of a tile. What has been drawn when time runs out never changes what is drawn later: same request, same bytes.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use super::accumulation::{Accumulation, Pass, Sample, Tile};
+use super::{Counters, MAX_SIDE, Progress, RenderError, RenderRequest};
+use crate::image::Picture;
+
+/// Fewest samples at which an error target can end a picture: below, each of the four means that the error is
+/// estimated from is of less than four samples, and rare bright paths have not shown themselves.
+const FEWEST_FOR_ERROR: u32 = 16;
+
+/// Which threads draw.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Threads {
+    /// The caller's only.
+    One,
+    /// All cores.
+    All,
+}
+
+/// A picture in the making.
+#[derive(Debug)]
+pub struct Progressive {
+    request: RenderRequest,
+    accumulation: Accumulation,
+    pass: Pass,
+    error_estimate: Option<f64>,
+}
+
+impl Progressive {
+    /// Starts from nothing.
+    ///
+    /// # Errors
+    /// When the size or the crop is not allowed.
+    pub fn new(request: &RenderRequest) -> Result<Self, RenderError> {
+        check_size(request.size, request.crop)?;
+        let [_, _, width, height] = request.crop;
+        Ok(Self {
+            request: request.clone(),
+            accumulation: Accumulation::new([width, height], request.settings.aov),
+            pass: Pass::default(),
+            error_estimate: None,
+        })
+    }
+
+    /// Takes over the targets of `request` if it is the same picture and no target has been passed already; false if
+    /// it needs a new start.
+    pub fn go_on_with(&mut self, request: &RenderRequest) -> bool {
+        let (old, new) = (self.request.settings, request.settings);
+        let mut same = request.clone();
+        (same.settings.samples, same.settings.error) = (old.samples, old.error);
+        let never_stops = |error: f64| error <= 0.0;
+        let stricter =
+            never_stops(new.error) || (!never_stops(old.error) && new.error <= old.error);
+        let fits = same == self.request && stricter && new.samples >= self.pass.samples_before();
+        if fits {
+            self.request.settings = new;
+        }
+        fits
+    }
+
+    /// Draws until `deadline`, or until done or `cancel` is true. `draw(pixel of the whole picture, sample, scratch)`
+    /// makes one sample; each thread has its own scratch.
+    pub fn advance<S: Default + AsMut<Counters>>(
+        &mut self,
+        threads: Threads,
+        deadline: Instant,
+        cancel: &AtomicBool,
+        draw: impl Fn([u32; 2], u32, &mut S) -> Sample + Sync,
+    ) {
+        let out_of_time = || cancel.load(Ordering::Relaxed) || Instant::now() >= deadline;
+        let [left, top, ..] = self.request.crop;
+        while !self.is_done() && !cancel.load(Ordering::Relaxed) {
+            let pass = self.pass;
+            let tiles = &mut self.accumulation.tiles;
+            // One tile always goes on, so that even the shortest slice gets somewhere.
+            let first = tiles.iter().position(|tile| !tile.has_finished(pass));
+            let draw_tile = |scratch: &mut S, (index, tile): (usize, &mut Tile)| {
+                if Some(index) != first && out_of_time() {
+                    return;
+                }
+                while !tile.has_finished(pass) {
+                    tile.draw_row(|[x, y], sample| draw([left + x, top + y], sample, scratch));
+                    tile.counters += std::mem::take(scratch.as_mut());
+                    if out_of_time() {
+                        return;
+                    }
+                }
+            };
+            match threads {
+                Threads::One => {
+                    let mut scratch = S::default();
+                    tiles
+                        .iter_mut()
+                        .enumerate()
+                        .for_each(|tile| draw_tile(&mut scratch, tile));
+                }
+                Threads::All => tiles
+                    .par_iter_mut()
+                    .enumerate()
+                    .for_each_init(S::default, draw_tile),
+            }
+            if !tiles.iter().all(|tile| tile.has_finished(pass)) {
+                return;
+            }
+            self.pass = pass.next();
+            // A new estimate whenever all scrambles have equally many samples again.
+            if self.pass.samples_before() > 0 && self.pass.samples_before().is_multiple_of(4) {
+                self.error_estimate = self.accumulation.error_estimate();
+            }
+            if out_of_time() {
+                return;
+            }
+        }
+    }
+
+    /// Whether a target is reached: all samples, or at a power of two the error asked for.
+    fn is_done(&self) -> bool {
+        let settings = &self.request.settings;
+        let samples = self.pass.samples_before();
+        samples >= settings.samples
+            || (samples.is_power_of_two()
+                && samples >= FEWEST_FOR_ERROR
+                && self
+                    .error_estimate
+                    .is_some_and(|error| settings.error > 0.0 && error <= settings.error))
+    }
+
+    /// Where the picture stands.
+    pub fn progress(&self) -> Progress {
+        Progress {
+            samples: self.pass.samples_before(),
+            error_estimate: self.error_estimate,
+            done: self.is_done(),
+        }
+    }
+
+    /// The mean so far.
+    pub fn picture(&self) -> Picture {
+        self.accumulation.picture()
+    }
+
+    /// Work done so far; zeros unless the request asked for it.
+    pub fn counters(&self) -> Counters {
+        let mut sum = Counters::default();
+        if self.request.settings.counters {
+            for tile in &self.accumulation.tiles {
+                sum += tile.counters;
+            }
+        }
+        sum
+    }
+
+    /// Bytes of the sums.
+    pub fn bytes(&self) -> u64 {
+        self.accumulation.bytes()
+    }
+}
+
+/// Whether a picture of this size with this crop can be made.
+fn check_size(size: [u32; 2], crop: [u32; 4]) -> Result<(), RenderError> {
+    if size.iter().any(|side| !(1..=MAX_SIDE).contains(side)) {
+        let [width, height] = size;
+        return Err(RenderError::Size(format!(
+            "size is {width}x{height}, but both sides must be from 1 to {MAX_SIDE} pixels"
+        )));
+    }
+    let fits = |axis: usize| {
+        let (start, length) = (u64::from(crop[axis]), u64::from(crop[axis + 2]));
+        length > 0 && start + length <= u64::from(size[axis])
+    };
+    if !(fits(0) && fits(1)) {
+        let ([x, y, width, height], [full_width, full_height]) = (crop, size);
+        return Err(RenderError::Size(format!(
+            "crop is {x},{y},{width},{height}, but it must have at least one pixel and lie inside {full_width}x{full_height}"
+        )));
+    }
+    Ok(())
+}

@@ -1,0 +1,291 @@
+//! The CPU and the reference backend: the same bytes whatever the slices, threads and pauses.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+use renderer_core::cpu::CpuBackend;
+use renderer_core::design::{CameraDesign, Design, Method};
+use renderer_core::image::Picture;
+use renderer_core::reference::ReferenceBackend;
+use renderer_core::render::{
+    Backend, BackendKind, Camera, Progress, RenderError, RenderRequest, Settings,
+};
+use renderer_core::scene::compile;
+
+const FOREVER: Duration = Duration::from_secs(3600);
+
+/// A small towel seen from the side, `method`, 5 samples.
+fn request(method: Method) -> RenderRequest {
+    let mut design = Design::default();
+    (design.sheet.warps, design.sheet.wefts) = (12, 14);
+    (
+        design.pile.layers,
+        design.pile.resolution,
+        design.pile.variants,
+    ) = (5, 8, 2);
+    let camera = Camera::from_design(&CameraDesign {
+        distance: 22.0,
+        ..CameraDesign::default()
+    });
+    RenderRequest {
+        scene: Arc::new(compile(&design).expect("a valid design")),
+        camera,
+        size: [61, 45],
+        crop: [0, 0, 61, 45],
+        settings: Settings {
+            method,
+            bounces: 3,
+            samples: 5,
+            error: 0.0,
+            seed: 7,
+            aov: true,
+            counters: true,
+        },
+    }
+}
+
+/// Works in slices until done.
+fn finish(backend: &mut dyn Backend, slice: Duration) -> Progress {
+    let cancel = AtomicBool::new(false);
+    loop {
+        let progress = backend.advance(slice, &cancel).expect("no device can fail");
+        if progress.done {
+            return progress;
+        }
+    }
+}
+
+fn render(backend: &mut dyn Backend, request: &RenderRequest, slice: Duration) -> Picture {
+    backend.begin(request).expect("a valid size");
+    let progress = finish(backend, slice);
+    assert_eq!(progress.samples, request.settings.samples);
+    backend.picture().expect("no device can fail")
+}
+
+#[test]
+fn same_bytes_whatever_slices_and_threads() {
+    for &method in METHODS {
+        let request = request(method);
+        let mut reference = ReferenceBackend::default();
+        let expected = render(&mut reference, &request, FOREVER);
+        let counters = reference.counters().expect("no device can fail");
+        let lit = expected.pixels.iter().filter(|p| p[3] > 0.5 && p[0] > 0.01);
+        assert!(
+            lit.count() > 500,
+            "the towel fills a good part of the picture"
+        );
+
+        let mut cpu = CpuBackend::default();
+        for slice in [FOREVER, Duration::ZERO, Duration::from_micros(300)] {
+            assert!(
+                render(&mut cpu, &request, slice) == expected,
+                "{method:?} {slice:?}"
+            );
+            assert_eq!(cpu.counters().expect("no device can fail"), counters);
+            // Something else in between, so that the next round starts anew.
+            let mut other = request.clone();
+            other.settings.seed += 1;
+            assert!(render(&mut cpu, &other, FOREVER) != expected);
+        }
+        // Another number of threads than the machine's.
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build();
+        let threads = pool.expect("three threads");
+        let picture = threads.install(|| render(&mut CpuBackend::default(), &request, FOREVER));
+        assert!(picture == expected, "{method:?} on three threads");
+    }
+}
+
+#[test]
+fn crops_are_parts_of_the_whole() {
+    let mut request = request(Method::Single);
+    let whole = render(&mut CpuBackend::default(), &request, FOREVER);
+    let [x, y, width, height] = [13, 9, 30, 33];
+    request.crop = [x, y, width, height];
+    let crop = render(&mut CpuBackend::default(), &request, FOREVER);
+    assert_eq!(crop.size, [width, height]);
+    for row in 0..height as usize {
+        let start = (row + y as usize) * whole.size[0] as usize + x as usize;
+        let expected = &whole.pixels[start..start + width as usize];
+        assert_eq!(
+            &crop.pixels[row * width as usize..][..width as usize],
+            expected
+        );
+    }
+}
+
+#[test]
+fn a_coarse_whole_picture_comes_first() {
+    let request = request(Method::Single);
+    let mut cpu = CpuBackend::default();
+    cpu.begin(&request).expect("a valid size");
+    let mut distances = Vec::new();
+    let finished = render(&mut ReferenceBackend::default(), &request, FOREVER);
+    let cancel = AtomicBool::new(false);
+    loop {
+        let progress = cpu
+            .advance(Duration::ZERO, &cancel)
+            .expect("no device can fail");
+        let picture = cpu.picture().expect("no device can fail");
+        // No pixel is ever empty: the background is not black.
+        assert!(picture.pixels.iter().all(|p| *p != [0.0; 4]));
+        let squares = picture.pixels.iter().zip(&finished.pixels);
+        let sum: f32 = squares.map(|(a, b)| (a[3] - b[3]).powi(2)).sum();
+        distances.push(sum.sqrt());
+        if progress.samples > 0 {
+            break;
+        }
+    }
+    // It takes many slices to the first whole sample, and the picture gets nearer to the final one on the way.
+    assert!(distances.len() > 30, "{distances:?}");
+    assert!(
+        distances[distances.len() - 1] < 0.6 * distances[0],
+        "{distances:?}"
+    );
+}
+
+#[test]
+fn cancelling_stops_at_once_and_loses_nothing() {
+    let request = request(Method::Single);
+    let expected = render(&mut ReferenceBackend::default(), &request, FOREVER);
+    let mut cpu = CpuBackend::default();
+    cpu.begin(&request).expect("a valid size");
+    let cancelled = AtomicBool::new(true);
+    for _ in 0..3 {
+        let progress = cpu
+            .advance(FOREVER, &cancelled)
+            .expect("no device can fail");
+        assert_eq!((progress.samples, progress.done), (0, false));
+    }
+    finish(&mut cpu, Duration::from_micros(200));
+    assert!(cpu.picture().expect("no device can fail") == expected);
+}
+
+#[test]
+fn targets_may_grow_without_a_new_start() {
+    let mut request = request(Method::Single);
+    request.settings.samples = 2;
+    let mut cpu = CpuBackend::default();
+    render(&mut cpu, &request, FOREVER);
+    let rays = cpu.counters().expect("no device can fail").rays;
+    request.settings.samples = 5;
+    let grown = render(&mut cpu, &request, FOREVER);
+    let all = cpu.counters().expect("no device can fail").rays;
+    assert!(rays * 2 < all && all < rays * 3, "{rays} then {all}");
+    assert!(grown == render(&mut ReferenceBackend::default(), &request, FOREVER));
+
+    // Fewer samples than there are: the picture of fewer samples, not the one at hand.
+    request.settings.samples = 3;
+    let shrunk = render(&mut cpu, &request, FOREVER);
+    assert!(shrunk == render(&mut ReferenceBackend::default(), &request, FOREVER));
+}
+
+#[test]
+fn an_error_target_ends_at_a_power_of_two() {
+    let mut request = request(Method::Single);
+    (request.settings.samples, request.settings.error) = (1 << 16, 0.05);
+    let mut cpu = CpuBackend::default();
+    cpu.begin(&request).expect("a valid size");
+    let progress = finish(&mut cpu, FOREVER);
+    assert!(
+        progress.samples.is_power_of_two() && progress.samples < 1 << 12,
+        "{progress:?}"
+    );
+    let estimate = progress.error_estimate.expect("enough samples");
+    assert!(estimate <= 0.05, "{estimate}");
+    let picture = cpu.picture().expect("no device can fail");
+
+    // The estimate tells the true error: against 16 times the samples (an error 4 times smaller). The estimate's own
+    // spread over 2745 pixels of uneven noise is some 10 %.
+    (request.settings.samples, request.settings.error) = (16 * progress.samples, 0.0);
+    request.settings.seed += 1;
+    let truth = render(&mut CpuBackend::default(), &request, FOREVER);
+    let luminance = |p: &[f32; 4]| f64::from(0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2]);
+    let count = truth.pixels.len() as f64;
+    let pairs = picture.pixels.iter().zip(&truth.pixels);
+    let square: f64 = pairs
+        .map(|(a, b)| (luminance(a) - luminance(b)).powi(2))
+        .sum();
+    let mean = truth.pixels.iter().map(luminance).sum::<f64>() / count;
+    let error = (square / count).sqrt() / mean;
+    assert!(
+        (0.8..1.25).contains(&(error / estimate)),
+        "true {error}, estimated {estimate}"
+    );
+}
+
+#[test]
+fn sizes_are_checked() {
+    let valid = request(Method::Single);
+    let mut cpu = CpuBackend::default();
+    let mut fault = |size, crop| {
+        let request = RenderRequest {
+            size,
+            crop,
+            ..valid.clone()
+        };
+        match cpu.begin(&request) {
+            Err(RenderError::Size(message)) => message,
+            other => panic!("{other:?}"),
+        }
+    };
+    assert!(fault([0, 5], [0, 0, 1, 1]).contains("0x5"));
+    assert!(fault([5, 20_000], [0, 0, 1, 1]).contains("16384"));
+    assert!(fault([10, 10], [5, 5, 6, 1]).contains("5,5,6,1"));
+    assert!(fault([10, 10], [0, 0, 0, 1]).contains("10x10"));
+    assert!(fault([10, 10], [u32::MAX, 0, 2, 1]).contains("4294967295"));
+}
+
+#[test]
+fn nothing_begun_is_done_and_empty() {
+    let mut backends: [Box<dyn Backend>; 2] = [
+        Box::<CpuBackend>::default(),
+        Box::<ReferenceBackend>::default(),
+    ];
+    for (backend, kind) in backends
+        .iter_mut()
+        .zip([BackendKind::Cpu, BackendKind::Reference])
+    {
+        assert_eq!(backend.kind(), kind);
+        assert!(!backend.device_name().is_empty());
+        assert!(finish(backend.as_mut(), FOREVER).done);
+        assert_eq!(
+            backend.picture().expect("no device can fail"),
+            Picture::default()
+        );
+    }
+}
+
+#[test]
+fn extra_channels_are_means_over_covered_samples() {
+    let mut request = request(Method::Single);
+    let mut cpu = CpuBackend::default();
+    let picture = render(&mut cpu, &request, FOREVER);
+    let aov = picture.aov.as_ref().expect("asked for");
+    let mut partly_covered = 0;
+    for (index, pixel) in picture.pixels.iter().enumerate() {
+        let (depth, normal) = (aov.depth[index], aov.normal[index]);
+        let length = normal.map(|x| x * x).iter().sum::<f32>().sqrt();
+        if pixel[3] == 0.0 {
+            assert!(depth == 0.0 && length == 0.0);
+            continue;
+        }
+        partly_covered += usize::from(pixel[3] < 1.0);
+        // The sheet is 10 mm wide and 22 mm away; means of unit vectors are shorter.
+        assert!((10.0..34.0).contains(&depth), "{depth}");
+        assert!(length <= 1.0 + 1e-5 && length > 0.05);
+        assert!(aov.albedo[index].iter().all(|a| (0.0..=1.0).contains(a)));
+    }
+    assert!(partly_covered > 20);
+
+    request.settings.aov = false;
+    let plain = render(&mut cpu, &request, FOREVER);
+    assert!(plain.aov.is_none() && plain.pixels == picture.pixels);
+    request.settings.counters = false;
+    render(&mut cpu, &request, FOREVER);
+    let counters = cpu.counters().expect("no device can fail");
+    assert_eq!(counters, renderer_core::render::Counters::default());
+}
+
+/// The methods that are compared.
+const METHODS: &[Method] = Method::ALL;

@@ -1,4 +1,12 @@
 //! Chooses and makes the backend that the user or the machine asks for.
+//!
+//! `auto` takes the GPU where an adapter is hardware, and the processor otherwise: on software Vulkan the same picture takes
+//! several times as long as on the processor itself. The processor's backends need no Vulkan, not even its loader.
+
+use renderer_core::cpu::CpuBackend;
+use renderer_core::gpu::{self, AdapterSummary};
+use renderer_core::reference::ReferenceBackend;
+use renderer_core::render::{Backend, BackendKind, RenderError};
 
 /// What the user asks for, on the command line or in the status bar.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, clap::ValueEnum)]
@@ -12,4 +20,37 @@ pub enum BackendChoice {
     Cpu,
     /// Plain scalar f64 on one core: slow, and what the others are held to.
     Reference,
+}
+
+/// Which backend a choice leads to on a machine with these adapters.
+pub fn resolve(choice: BackendChoice, adapters: &[AdapterSummary]) -> BackendKind {
+    match choice {
+        BackendChoice::Gpu => BackendKind::Gpu,
+        BackendChoice::Cpu => BackendKind::Cpu,
+        BackendChoice::Reference => BackendKind::Reference,
+        BackendChoice::Auto if adapters.iter().any(|adapter| adapter.is_hardware) => {
+            BackendKind::Gpu
+        }
+        BackendChoice::Auto => BackendKind::Cpu,
+    }
+}
+
+/// Makes the backend. Adapters are looked for only where the choice depends on them.
+///
+/// # Errors
+/// When the GPU is asked for and there is none that can be used.
+pub fn make(choice: BackendChoice) -> Result<Box<dyn Backend>, RenderError> {
+    let adapters = match choice {
+        BackendChoice::Auto => gpu::adapters(),
+        _ => Vec::new(),
+    };
+    Ok(match resolve(choice, &adapters) {
+        BackendKind::Gpu => {
+            return Err(RenderError::NoAdapter(
+                "this build has no GPU renderer".into(),
+            ));
+        }
+        BackendKind::Cpu => Box::new(CpuBackend::default()),
+        BackendKind::Reference => Box::new(ReferenceBackend::default()),
+    })
 }

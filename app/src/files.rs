@@ -2,7 +2,7 @@
 //! the same directory, reach the disk, and replace the old file at once, so that a crash or a full disk leaves it whole.
 
 use std::fs;
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Component, Path, PathBuf};
 
 use image::{ImageFormat, ImageReader, Limits};
@@ -232,24 +232,33 @@ pub fn chart_path_from(preset: &Path, chart: &Path) -> String {
 /// # Errors
 /// When the directory or the disk refuses.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
-    replace(path, bytes).map_err(|source| FileError::Write {
+    write_atomically_with(path, |file| file.write_all(bytes))
+}
+
+/// As [`write_atomically`], for files that are made piece by piece.
+///
+/// # Errors
+/// When the directory or the disk refuses, or `write` does.
+pub fn write_atomically_with(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), FileError> {
+    replace(path, write).map_err(|source| FileError::Write {
         path: path.to_owned(),
         source,
     })
 }
 
-fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
+fn replace(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     // Through a symbolic link the file it points to is replaced, not the link.
     let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
     if fs::metadata(&target).is_ok_and(|existing| !existing.is_file() && !existing.is_dir()) {
         // A device or pipe (`/dev/stdout`) cannot be replaced, only written to.
-        return fs::OpenOptions::new()
-            .write(true)
-            .open(&target)?
-            .write_all(bytes);
+        return write(&mut fs::OpenOptions::new().write(true).open(&target)?);
     }
-    let mut file = temporary_beside(&target)?;
-    file.write_all(bytes)?;
+    let mut file = BufWriter::new(temporary_beside(&target)?);
+    write(&mut file)?;
+    let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
     file.as_file().sync_all()?;
     file.persist(&target).map_err(|error| error.error)?;
     sync_folder(&target)
@@ -301,7 +310,7 @@ fn temporary_beside(target: &Path) -> io::Result<tempfile::NamedTempFile> {
     builder.tempfile_in(folder).map_err(|error| {
         // tempfile's message names its random file; only the reason matters here.
         match error.kind() {
-            io::ErrorKind::NotFound => {
+            io::ErrorKind::NotFound if !folder.is_dir() => {
                 io::Error::other(format!("there is no directory {}", folder.display()))
             }
             kind => io::Error::from(kind),

@@ -1,1 +1,778 @@
-//! cli
+//! The command line end to end: the real program is run, on a machine without Vulkan unless a test says otherwise.
+//!
+//! Presets here are a few loops wide, so that a run takes a fraction of a second.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use exr::prelude::{ReadChannels, ReadLayers};
+use tempfile::TempDir;
+
+/// A folder with a preset of a few loops.
+struct Bench {
+    folder: TempDir,
+}
+
+const SMALL: &str = "format = 1
+[sheet]
+warps = 12
+wefts = 10
+[chart]
+image = 'chart.png'
+[pile]
+variants = 2
+layers = 3
+resolution = 8
+[view]
+cameras = [{ name = 'above', distance = 25 }, { name = 'side', distance = 25, elevation = 20 }]
+[quality]
+method = 'single'
+bounces = 1
+samples = 2
+";
+
+impl Bench {
+    fn new() -> Self {
+        let folder = TempDir::new().unwrap();
+        fs::write(folder.path().join("small.toml"), SMALL).unwrap();
+        let chart = image::RgbaImage::from_fn(4, 4, |x, y| {
+            image::Rgba([200, (x * 60) as u8, (y * 60) as u8, 255])
+        });
+        chart.save(folder.path().join("chart.png")).unwrap();
+        Self { folder }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Runs the program in the folder.
+    fn run(&self, arguments: &[&str]) -> Output {
+        program(self.folder.path())
+            .args(arguments)
+            .output()
+            .unwrap()
+    }
+
+    /// Runs it, and requires that it succeeds and prints nothing to stdout.
+    fn ok(&self, arguments: &[&str]) -> Output {
+        let output = self.run(arguments);
+        let errors = text(&output.stderr);
+        assert!(output.status.success(), "{arguments:?}: {errors}");
+        assert_eq!(text(&output.stdout), "", "{arguments:?}");
+        output
+    }
+
+    /// Runs it, and requires this exit code, a message that holds all of `says`, and no new file.
+    fn fails(&self, code: i32, arguments: &[&str], says: &[&str]) {
+        let before = self.names();
+        let output = self.run(arguments);
+        let errors = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}: {errors}");
+        for part in says {
+            assert!(
+                errors.contains(part),
+                "{arguments:?}: no {part:?} in: {errors}"
+            );
+        }
+        assert_eq!(text(&output.stdout), "", "{arguments:?}");
+        assert_eq!(self.names(), before, "{arguments:?}");
+    }
+
+    fn names(&self) -> Vec<PathBuf> {
+        let mut names: Vec<_> = fs::read_dir(self.folder.path())
+            .unwrap()
+            .map(|entry| entry.unwrap().path())
+            .collect();
+        names.sort();
+        names
+    }
+
+    fn read(&self, name: &str) -> Vec<u8> {
+        fs::read(self.path(name)).unwrap()
+    }
+
+    fn json(&self, name: &str) -> serde_json::Value {
+        serde_json::from_slice(&self.read(name)).unwrap()
+    }
+}
+
+/// The program, where no Vulkan driver can be found.
+fn program(folder: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_towel-designer"));
+    command
+        .current_dir(folder)
+        .env("VK_ICD_FILENAMES", "/nonexistent")
+        .env("VK_DRIVER_FILES", "/nonexistent");
+    command
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+/// Channels of an EXR file by name, row by row.
+fn exr_channels(path: &Path) -> ((usize, usize), BTreeMap<String, Vec<f32>>) {
+    let image = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .first_valid_layer()
+        .all_attributes()
+        .from_file(path)
+        .unwrap();
+    let size = (image.layer_data.size.0, image.layer_data.size.1);
+    let channels = image.layer_data.channel_data.list.iter().map(|channel| {
+        let values = channel.sample_data.values_as_f32().collect();
+        (channel.name.to_string(), values)
+    });
+    (size, channels.collect())
+}
+
+#[test]
+fn renders_a_png_of_the_size_asked_for_without_vulkan() {
+    let bench = Bench::new();
+    bench.ok(&["render", "small.toml", "-o", "a.png", "--size", "40x30"]);
+    let picture = image::open(bench.path("a.png")).unwrap();
+    assert_eq!(picture.color(), image::ColorType::Rgb8);
+    let picture = picture.into_rgb8();
+    assert_eq!(picture.dimensions(), (40, 30));
+    let colours: std::collections::HashSet<_> = picture.pixels().collect();
+    assert!(colours.len() > 50, "only {} colours", colours.len());
+}
+
+#[test]
+fn png_has_the_depth_and_alpha_asked_for() {
+    let bench = Bench::new();
+    let sized = ["render", "small.toml", "--size", "20x20"];
+    let render = |more: &[&str]| bench.ok(&[&sized[..], more].concat());
+    render(&["-o", "a.png", "--depth", "16"]);
+    let deep = image::open(bench.path("a.png")).unwrap();
+    assert_eq!(deep.color(), image::ColorType::Rgb16);
+    render(&["-o", "b.png", "--transparent"]);
+    let clear = image::open(bench.path("b.png")).unwrap();
+    assert_eq!(clear.color(), image::ColorType::Rgba8);
+    let clear = clear.into_rgba8();
+    // The sheet is 9 x 7 mm, and the picture 13 mm high: cloth in the middle, none in the corner.
+    assert_eq!(clear.get_pixel(0, 0).0, [0, 0, 0, 0]);
+    assert!(clear.get_pixel(10, 10).0[3] > 200);
+    render(&["-o", "c.png"]);
+    let opaque = image::open(bench.path("c.png")).unwrap().into_rgb8();
+    // The default background.
+    assert_eq!(opaque.get_pixel(0, 0).0, [0xf7, 0xf6, 0xf0]);
+}
+
+#[test]
+fn same_preset_and_seed_give_the_same_bytes_and_another_seed_others() {
+    let bench = Bench::new();
+    for extension in ["png", "exr"] {
+        let render = |name: &str, seed: &str| {
+            let file = format!("{name}.{extension}");
+            bench.ok(&[
+                "render",
+                "small.toml",
+                "-o",
+                &file,
+                "--size",
+                "40x30",
+                "--seed",
+                seed,
+            ]);
+            bench.read(&file)
+        };
+        let first = render("a", "7");
+        assert_eq!(render("b", "7"), first);
+        assert_ne!(render("c", "8"), first);
+    }
+}
+
+#[test]
+fn a_crop_is_that_part_of_the_whole_picture() {
+    let bench = Bench::new();
+    let render = |more: &[&str]| {
+        bench.ok(&[&["render", "small.toml", "--size", "40x30"], more].concat());
+    };
+    render(&["-o", "whole.exr"]);
+    render(&["-o", "part.exr", "--crop", "11,7,19,13"]);
+    let (size, whole) = exr_channels(&bench.path("whole.exr"));
+    assert_eq!(size, (40, 30));
+    let (size, part) = exr_channels(&bench.path("part.exr"));
+    assert_eq!(size, (19, 13));
+    for (name, values) in &part {
+        let rows = (7..7 + 13).flat_map(|y| &whole[name][y * 40 + 11..y * 40 + 11 + 19]);
+        assert!(rows.eq(values), "channel {name}");
+    }
+}
+
+#[test]
+fn exr_holds_linear_light_whatever_the_display_and_the_layers_asked_for() {
+    let bench = Bench::new();
+    let render = |more: &[&str]| {
+        bench.ok(&[&["render", "small.toml", "--size", "20x20"], more].concat());
+    };
+    render(&["-o", "a.exr"]);
+    render(&[
+        "-o",
+        "b.exr",
+        "--set",
+        "view.exposure=2",
+        "--set",
+        "view.tone_map=filmic",
+    ]);
+    assert_eq!(bench.read("a.exr"), bench.read("b.exr"));
+    let (_, plain) = exr_channels(&bench.path("a.exr"));
+    assert_eq!(plain.keys().collect::<Vec<_>>(), ["B", "G", "R"]);
+
+    render(&["-o", "c.exr", "--aov", "albedo,depth,normal,alpha"]);
+    let (_, layers) = exr_channels(&bench.path("c.exr"));
+    let names = [
+        "B", "G", "R", "albedo.B", "albedo.G", "albedo.R", "alpha.A", "depth.Z", "normal.X",
+        "normal.Y", "normal.Z",
+    ];
+    assert_eq!(layers.keys().collect::<Vec<_>>(), names);
+    assert_eq!(layers["R"], plain["R"]);
+    let (corner, middle) = (0, 10 * 20 + 10);
+    assert_eq!(
+        [layers["alpha.A"][corner], layers["depth.Z"][corner]],
+        [0.0; 2]
+    );
+    assert!(layers["alpha.A"][middle] > 0.5);
+    // The eye is 25 mm from the sheet, and the pile a few mm high.
+    assert!((20.0..26.0).contains(&layers["depth.Z"][middle]));
+
+    render(&["-o", "d.exr", "--transparent"]);
+    let (_, clear) = exr_channels(&bench.path("d.exr"));
+    assert_eq!(clear.keys().collect::<Vec<_>>(), ["A", "B", "G", "R"]);
+    assert_eq!([clear["R"][corner], clear["A"][corner]], [0.0; 2]);
+    let alpha = clear["A"][middle];
+    let background = 0xf7 as f32 / 255.0;
+    let background = ((background + 0.055) / 1.055).powf(2.4);
+    // Premultiplied light and the background through the gaps are the opaque picture, up to rounding to f32.
+    let whole = clear["R"][middle] + (1.0 - alpha) * background;
+    assert!((whole - plain["R"][middle]).abs() < 1e-5);
+}
+
+#[test]
+fn stats_say_what_was_done() {
+    let bench = Bench::new();
+    let common = [
+        "render",
+        "small.toml",
+        "-o",
+        "a.png",
+        "--size",
+        "20x10",
+        "--samples",
+        "4",
+    ];
+    bench.ok(&[&common[..], &["--stats", "plain.json"]].concat());
+    let stats = bench.json("plain.json");
+    let keys = |value: &serde_json::Value| -> Vec<String> {
+        value.as_object().unwrap().keys().cloned().collect()
+    };
+    let expected = [
+        "adapter",
+        "backend",
+        "bytes",
+        "crop",
+        "dropped_loops",
+        "error_estimate",
+        "loops",
+        "method",
+        "nonfinite_pixels",
+        "samples",
+        "seconds",
+        "size",
+        "version",
+    ];
+    assert_eq!(keys(&stats), expected);
+    assert_eq!(stats["backend"], "cpu");
+    assert_eq!(stats["method"], "single");
+    assert_eq!(stats["size"], serde_json::json!([20, 10]));
+    assert_eq!(stats["samples"], 4);
+    // The default checker plants every second crossing of 12 x 10, on both faces.
+    assert_eq!(stats["loops"], 120);
+    assert_eq!(stats["nonfinite_pixels"], 0);
+    assert!(stats["error_estimate"].as_f64().unwrap() > 0.0);
+    assert!(stats["bytes"]["scene"].as_u64().unwrap() > 120 * 40);
+    assert!(stats["bytes"]["per_loop"].as_f64().unwrap() > 40.0);
+    assert_eq!(stats["bytes"]["gpu_total"], 0);
+    let parts = [
+        "compile",
+        "first_image",
+        "open",
+        "pipelines",
+        "render",
+        "total",
+        "upload",
+        "write",
+    ];
+    assert_eq!(keys(&stats["seconds"]), parts);
+    let seconds = |part: &str| stats["seconds"][part].as_f64().unwrap();
+    let sum: f64 = ["open", "compile", "upload", "pipelines", "render", "write"]
+        .map(seconds)
+        .iter()
+        .sum();
+    assert!(parts.iter().all(|part| seconds(part) > 0.0));
+    assert!(seconds("total") >= sum && seconds("first_image") <= seconds("total"));
+
+    bench.ok(&[&common[..], &["--stats", "counted.json", "--counters"]].concat());
+    let counters = &bench.json("counted.json")["counters"];
+    let names = [
+        "cells",
+        "contributing_hits",
+        "patch_tests",
+        "rays",
+        "shadow_rays",
+        "skipped_tiles",
+        "volume_samples",
+    ];
+    assert_eq!(keys(counters), names);
+    // One bounce: a ray a sample, and at most one more that looks for the environment.
+    let rays = counters["rays"].as_u64().unwrap();
+    assert!((800..=1600).contains(&rays), "{rays}");
+}
+
+#[test]
+fn the_first_target_reached_ends_the_picture() {
+    let bench = Bench::new();
+    let samples = |more: &[&str]| {
+        let common = [
+            "render",
+            "small.toml",
+            "-o",
+            "a.png",
+            "--size",
+            "12x12",
+            "--stats",
+            "s.json",
+        ];
+        bench.ok(&[&common[..], more].concat());
+        bench.json("s.json")["samples"].as_u64().unwrap()
+    };
+    assert_eq!(samples(&[]), 2, "the preset's quality");
+    assert_eq!(samples(&["--samples", "8"]), 8);
+    assert_eq!(samples(&["--set", "quality.samples=3"]), 3);
+    let by_error = samples(&["--error", "0.3"]);
+    assert!((4..4096).contains(&by_error), "{by_error}");
+    assert_eq!(samples(&["--error", "0.3", "--samples", "3"]), 3);
+    assert!(samples(&["--time", "0.3"]) > 2);
+    assert_eq!(samples(&["--time", "60", "--samples", "5"]), 5);
+    // Too short for anything: one whole sample all the same.
+    assert!(samples(&["--time", "0.000001"]) >= 1);
+}
+
+#[test]
+fn arguments_change_the_picture() {
+    let bench = Bench::new();
+    let mut seen = vec![];
+    for more in [
+        &[][..],
+        &["--camera", "side"],
+        &["--set", "turbulence.seed=3"],
+        &["--set", "chart.fit=tile"],
+        &["--set", "view.exposure=0.5"],
+    ] {
+        bench.ok(&[
+            &["render", "small.toml", "-o", "a.png", "--size", "20x20"],
+            more,
+        ]
+        .concat());
+        let bytes = bench.read("a.png");
+        assert!(!seen.contains(&bytes), "{more:?} changes nothing");
+        seen.push(bytes);
+    }
+    // The first camera is the one without --camera; `cpu` is what `auto` means here.
+    for more in [
+        ["--camera", "above"],
+        ["--backend", "cpu"],
+        ["--backend", "reference"],
+    ] {
+        bench.ok(&[
+            &["render", "small.toml", "-o", "a.png", "--size", "20x20"],
+            &more[..],
+        ]
+        .concat());
+        assert_eq!(bench.read("a.png"), seen[0], "{more:?}");
+    }
+}
+
+#[test]
+fn bad_presets_are_refused_with_file_place_value_and_what_is_allowed() {
+    let bench = Bench::new();
+    #[rustfmt::skip]
+    let cases = [
+        ("format = 1\n[pile]\ntilt = 200", &["bad.toml:3:8: pile.tilt is 200, allowed is 0 to 180"][..]),
+        ("format = 1\n[pile]\ntlit = 2", &["bad.toml:3:1: pile.tlit is not a field; did you mean pile.tilt?"]),
+        ("format = 1\n[view]\nexposure = nan", &["bad.toml:3:12: view.exposure is nan, allowed is -16 to 16 EV"]),
+        ("format = 1\n[weave]\npattern = [[7, 0], [0, 5]]", &["bad.toml:3:24: weave.pattern[1][1] is 5, allowed is 0 (weft over), 1 "]),
+        ("format = 2", &["bad.toml:1:10: format is 2, newer than this program"]),
+        ("format = 1\n[chart]\nimage = 'gone.png'", &["gone.png: chart image: cannot be read"]),
+        ("format = 1\n[chart]\nimage = 'bad.toml'", &["bad.toml: chart image: is neither a PNG nor a JPEG file"]),
+        ("format = 1\n[chart]\nimage = 'cut.png'", &["cut.png: chart image: is broken"]),
+        ("format = 1\n[chart]\nimage = 'wide.png'", &["wide.png: chart image: has 9000 x 1 pixels, allowed are at most 8192 x 8192"]),
+        ("format = 1\n[pile]\ntilt = 200\nplies = 0", &["bad.toml:3:8: ", "bad.toml:4:9: "]),
+        ("format = \u{0}", &["bad.toml:1:"]),
+    ];
+    let chart = bench.read("chart.png");
+    fs::write(bench.path("cut.png"), &chart[..chart.len() / 2]).unwrap();
+    let wide = image::GrayImage::new(9000, 1);
+    wide.save(bench.path("wide.png")).unwrap();
+    for (preset, says) in cases {
+        fs::write(bench.path("bad.toml"), preset).unwrap();
+        bench.fails(2, &["render", "bad.toml", "-o", "x.png"], says);
+        bench.fails(2, &["check", "bad.toml"], says);
+        bench.fails(2, &["export", "loops", "bad.toml", "-o", "x.json"], says);
+    }
+    fs::write(bench.path("bad.toml"), b"format = 1 # \xff").unwrap();
+    bench.fails(
+        2,
+        &["render", "bad.toml", "-o", "x.png"],
+        &["bad.toml: is no preset: a preset is UTF-8 text"],
+    );
+    bench.fails(
+        2,
+        &["render", "gone.toml", "-o", "x.png"],
+        &["gone.toml: cannot be read: No such file"],
+    );
+}
+
+#[test]
+fn bad_arguments_are_refused_with_value_and_what_is_allowed() {
+    let bench = Bench::new();
+    #[rustfmt::skip]
+    let cases = [
+        (2, "-o x.png --size 0x0", &["'0x0'", "--size", "allowed is WIDTHxHEIGHT, each 1 to 16384 pixels"][..]),
+        (2, "-o x.png --size 16385x1", &["'16385x1'", "each 1 to 16384 pixels"]),
+        (2, "-o x.png --size 10", &["'10'", "WIDTHxHEIGHT"]),
+        (2, "-o x.png --size 99999999999x1", &["'99999999999x1'", "WIDTHxHEIGHT"]),
+        (2, "-o x.png --size 20x20 --crop 0,0,0,5", &["crop is 0,0,0,5", "inside 20x20"]),
+        (2, "-o x.png --size 20x20 --crop 10,10,11,5", &["crop is 10,10,11,5", "inside 20x20"]),
+        (2, "-o x.png --size 20x20 --crop 4294967295,0,2,2", &["crop is 4294967295,0,2,2", "inside 20x20"]),
+        (2, "-o x.png --crop 1,2,3", &["'1,2,3'", "allowed is X,Y,WIDTH,HEIGHT"]),
+        (2, "-o x.png --samples 0", &["'0'", "1..=1048576"]),
+        (2, "-o x.png --samples -1", &["'-1'", "1..=1048576"]),
+        (2, "-o x.png --bounces 65", &["'65'", "1..=64"]),
+        (2, "-o x.png --error 0", &["'0'", "above 0, up to 1"]),
+        (2, "-o x.png --error nan", &["'nan'", "above 0, up to 1"]),
+        (2, "-o x.png --time -2", &["'-2'", "seconds above 0"]),
+        (2, "-o x.png --time inf", &["'inf'", "seconds above 0"]),
+        (2, "-o x.png --method exact", &["'exact'", "\"single\", \"layered\" or \"tracked\""]),
+        (2, "-o x.png --backend abacus", &["'abacus'", "auto, gpu, cpu, reference"]),
+        (2, "-o x.png --camera behind", &["small.toml: there is no camera \"behind\", allowed are \"above\", \"side\""]),
+        (2, "-o x.png --set pile.tlit=3", &["--set pile.tlit=3: pile.tlit is not a field; did you mean pile.tilt?"]),
+        (2, "-o x.png --set pile.tilt=181", &["pile.tilt is 181, allowed is 0 to 180"]),
+        (2, "-o x.png --set pile.tilt", &["'pile.tilt'", "allowed is PATH=VALUE"]),
+        (2, "-o x.png --set length.min=99", &["small.toml: with what was set, length.min is 99, allowed is at most length.max"]),
+        (2, "-o x.png --set chart.image=gone.png", &["gone.png: chart image: cannot be read"]),
+        (2, "-o x.png --depth 12", &["'12'", "8, 16"]),
+        (2, "-o x.exr --depth 16", &["--depth is for .png files"]),
+        (2, "-o x.png --aov depth", &["--aov needs an .exr file, but the output is x.png"]),
+        (2, "-o x.exr --aov depht", &["'depht'", "depth, normal, albedo, alpha"]),
+        (2, "-o x.png --counters", &["--stats"]),
+        (2, "-o x.png --no-skip all", &["--no-skip"]),
+        (2, "-o x.jpg", &["the output is x.jpg, allowed are names that end in .png or .exr"]),
+        (2, "-o x", &["the output is x, allowed are names that end in .png or .exr"]),
+        (2, "", &["--output"]),
+        (1, "-o gone/x.png", &["gone/x.png: cannot be written: there is no directory gone"]),
+        (1, "-o folder.png", &["folder.png: cannot be written: is a directory"]),
+        (1, "-o x.png --stats gone/x.json", &["gone/x.json: cannot be written"]),
+    ];
+    fs::create_dir(bench.path("folder.png")).unwrap();
+    for (code, arguments, says) in cases {
+        let arguments: Vec<&str> = ["render", "small.toml"]
+            .into_iter()
+            .chain(arguments.split_whitespace())
+            .collect();
+        bench.fails(code, &arguments, says);
+    }
+    bench.fails(
+        2,
+        &["export", "loops", "small.toml", "-o", "x.stl"],
+        &["x.stl, allowed are names that end in .json or .glb"],
+    );
+    bench.fails(
+        2,
+        &["export", "turbulence", "small.toml", "-o", "x.png"],
+        &["x.png, allowed are names that end in .exr"],
+    );
+    bench.fails(
+        1,
+        &["export", "volume", "small.toml", "-o", "chart.png"],
+        &["chart.png: cannot be written: is a file"],
+    );
+    bench.fails(
+        1,
+        &["export", "volume", "small.toml", "-o", "gone/x"],
+        &["gone/x: cannot be written"],
+    );
+    bench.fails(
+        2,
+        &["rendr", "small.toml", "-o", "x.png"],
+        &["rendr: there is no such preset, nor such a command"],
+    );
+    bench.fails(2, &["rendr"], &["rendr: there is no such preset, nor such a command; commands are render, check, export, info"]);
+}
+
+#[test]
+fn an_unwritable_output_is_found_before_rendering() {
+    let bench = Bench::new();
+    let start = std::time::Instant::now();
+    // A week of rendering, if the output were looked at only in the end.
+    bench.fails(
+        1,
+        &[
+            "render",
+            "small.toml",
+            "-o",
+            "gone/x.png",
+            "--time",
+            "604800",
+        ],
+        &["gone/x.png"],
+    );
+    bench.fails(
+        1,
+        &[
+            "render",
+            "small.toml",
+            "-o",
+            "x.png",
+            "--stats",
+            "gone/x",
+            "--time",
+            "604800",
+        ],
+        &["gone/x"],
+    );
+    assert!(start.elapsed().as_secs() < 60);
+}
+
+#[test]
+fn gpu_without_a_driver_says_what_to_install() {
+    let bench = Bench::new();
+    bench.fails(
+        1,
+        &["render", "small.toml", "-o", "x.png", "--backend", "gpu"],
+        &["no GPU adapter", "mesa-vulkan-drivers", "--backend cpu"],
+    );
+}
+
+#[test]
+fn check_names_the_sound_and_every_fault() {
+    let bench = Bench::new();
+    fs::write(
+        bench.path("bad.toml"),
+        "format = 1\npile = 3\n[sheet]\nwarps = 0",
+    )
+    .unwrap();
+    let output = bench.run(&["check", "bad.toml", "small.toml"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(text(&output.stdout), "small.toml: ok\n");
+    let errors = text(&output.stderr);
+    assert!(
+        errors.contains("bad.toml:2:8: pile is 3")
+            && errors.contains("bad.toml:4:9: sheet.warps is 0"),
+        "{errors}"
+    );
+    assert_eq!(bench.run(&["check", "small.toml"]).status.code(), Some(0));
+}
+
+#[test]
+fn loops_are_exported_whole_and_alike_in_both_formats() {
+    let bench = Bench::new();
+    bench.ok(&["export", "loops", "small.toml", "-o", "loops.json"]);
+    bench.ok(&["export", "loops", "small.toml", "-o", "loops.glb"]);
+    let json = bench.json("loops.json");
+    let loops = json["loops"].as_array().unwrap();
+    assert_eq!(loops.len(), 120);
+    let vector =
+        |value: &serde_json::Value| -> [f64; 3] { serde_json::from_value(value.clone()).unwrap() };
+    let pitch: [f64; 2] = serde_json::from_value(json["pitch"].clone()).unwrap();
+    for record in loops {
+        let [i, j]: [u32; 2] = serde_json::from_value(record["cell"].clone()).unwrap();
+        assert_eq!((i + j) % 2, 0);
+        let [p0, p1] = ["p0", "p1"].map(|p| vector(&record[p]));
+        // The root's middle is the cell's centre (MODEL.md §4), to the six decimals of the file.
+        let centre = [f64::from(i) + 0.5 - 6.0, f64::from(j) + 0.5 - 5.0];
+        for axis in 0..2 {
+            let middle = (p0[axis] + p1[axis]) / 2.0;
+            assert!((middle - centre[axis] * pitch[axis]).abs() < 2e-6);
+        }
+        let normal = vector(&record["normal"]);
+        let squared: f64 = normal.iter().map(|c| c * c).sum();
+        assert!((squared - 1.0).abs() < 1e-5);
+        // Row 0 of the chart is the far edge, and red is 200 everywhere.
+        let (x, y) = ((2 * i + 1) * 4 / 24, (2 * (10 - j) - 1) * 4 / 20);
+        assert_eq!(record["colour"], format!("#c8{:02x}{:02x}", x * 60, y * 60));
+        assert!(record["length"].as_f64().unwrap() > 0.5);
+        assert!(record["variant"].as_u64().unwrap() < 2);
+        assert!(["front", "back"].contains(&record["face"].as_str().unwrap()));
+    }
+
+    let glb = bench.read("loops.glb");
+    let word = |at: usize| u32::from_le_bytes(glb[at..at + 4].try_into().unwrap()) as usize;
+    assert_eq!((&glb[..4], word(4), word(8)), (&b"glTF"[..], 2, glb.len()));
+    let json_length = word(12);
+    assert_eq!(&glb[16..20], b"JSON");
+    let head: serde_json::Value = serde_json::from_slice(&glb[20..20 + json_length]).unwrap();
+    let binary = 20 + json_length;
+    assert_eq!(
+        (word(binary), &glb[binary + 4..binary + 8]),
+        (glb.len() - binary - 8, &b"BIN\0"[..])
+    );
+    assert_eq!(head["accessors"][0]["count"], 480);
+    assert_eq!(head["accessors"][2]["count"], 720);
+    let vertices = binary + 8;
+    for (index, record) in loops.iter().enumerate() {
+        for (corner, name) in ["p0", "p1", "p2", "p3"].into_iter().enumerate() {
+            let at = vertices + (4 * index + corner) * 20;
+            for (axis, expected) in vector(&record[name]).into_iter().enumerate() {
+                let found = f32::from_bits(word(at + 4 * axis) as u32);
+                // Six decimals against f32 up to 16 mm.
+                assert!((f64::from(found) - expected).abs() < 2e-6);
+                let low = head["accessors"][0]["min"][axis].as_f64().unwrap();
+                let high = head["accessors"][0]["max"][axis].as_f64().unwrap();
+                assert!((low..=high).contains(&f64::from(found)));
+            }
+        }
+    }
+    let last = glb.len() - 24;
+    let indices: Vec<usize> = (0..6).map(|k| word(last + 4 * k)).collect();
+    assert_eq!(indices, [476, 477, 478, 476, 478, 479]);
+}
+
+#[test]
+fn volumes_are_exported_a_png_a_layer() {
+    let bench = Bench::new();
+    bench.ok(&["export", "volume", "small.toml", "-o", "volume"]);
+    let mut names: Vec<String> = fs::read_dir(bench.path("volume"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    assert_eq!(names.len(), 2 * 3);
+    assert_eq!(names[0], "terry-variant-00-layer-00.png");
+    assert_eq!(names[5], "terry-variant-01-layer-02.png");
+    let middle = image::open(bench.path("volume/terry-variant-00-layer-01.png")).unwrap();
+    assert_eq!(middle.color(), image::ColorType::La8);
+    assert_eq!((middle.width(), middle.height()), (8, 8));
+    let middle = middle.into_luma_alpha8();
+    let density = |row: u32| -> u32 {
+        (0..8)
+            .map(|x| u32::from(middle.get_pixel(x, row).0[1]))
+            .sum()
+    };
+    // An arch stands on two legs and closes at the top: seen from the front there is yarn at the top's middle, and none
+    // between the legs.
+    let at = |x: u32, row: u32| middle.get_pixel(x, row).0[1];
+    assert!(density(0) > 0 && density(7) > 0);
+    assert!(
+        at(3, 7) + at(4, 7) < at(0, 7).max(at(1, 7)),
+        "legs at the bottom"
+    );
+    // Again into the same folder, which exists now.
+    bench.ok(&["export", "volume", "small.toml", "-o", "volume"]);
+}
+
+#[test]
+fn turbulence_is_exported_a_pixel_a_cell_far_edge_first() {
+    let bench = Bench::new();
+    bench.ok(&["export", "turbulence", "small.toml", "-o", "t.exr"]);
+    let (size, channels) = exr_channels(&bench.path("t.exr"));
+    assert_eq!(size, (12, 10));
+    assert_eq!(
+        channels.keys().collect::<Vec<_>>(),
+        ["stretch", "tilt_x", "tilt_y", "twist"]
+    );
+    let design = renderer_core::design::preset::parse(SMALL).unwrap();
+    let sheet = renderer_core::scene::SheetGeometry::new(&design);
+    let field = renderer_core::scene::TurbulenceField::new(&sheet, &design.turbulence);
+    for (c, name) in ["tilt_x", "tilt_y", "stretch", "twist"]
+        .into_iter()
+        .enumerate()
+    {
+        for (i, j) in [(0, 0), (11, 0), (5, 3), (0, 9)] {
+            assert_eq!(
+                channels[name][(9 - j) * 12 + i],
+                field.at(i, j)[c],
+                "{name} {i} {j}"
+            );
+        }
+    }
+}
+
+#[test]
+fn info_and_version_tell_what_would_be_used() {
+    let bench = Bench::new();
+    for arguments in [["info"], ["--version"], ["-V"]] {
+        let output = bench.run(&arguments);
+        assert!(output.status.success());
+        let told = text(&output.stdout);
+        for part in [
+            concat!("towel-designer ", env!("CARGO_PKG_VERSION")),
+            "adapters: none",
+            "pictures up to 16384 x 16384",
+            "--backend auto uses: cpu",
+        ] {
+            assert!(told.contains(part), "{told}");
+        }
+    }
+}
+
+#[test]
+fn a_picture_in_the_way_is_replaced_whole_and_nothing_is_left_beside_it() {
+    let bench = Bench::new();
+    fs::write(bench.path("a.png"), "old").unwrap();
+    let before = bench.names();
+    bench.ok(&["render", "small.toml", "-o", "a.png", "--size", "8x8"]);
+    assert_eq!(bench.names(), before);
+    assert!(image::open(bench.path("a.png")).is_ok());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_killed_render_leaves_the_old_file_and_nothing_else() {
+    let bench = Bench::new();
+    fs::write(bench.path("a.png"), "old").unwrap();
+    let before = bench.names();
+    let mut child = program(bench.folder.path())
+        .args([
+            "render",
+            "small.toml",
+            "-o",
+            "a.png",
+            "--time",
+            "60",
+            "--quiet",
+        ])
+        .spawn()
+        .unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(700));
+    assert!(child.try_wait().unwrap().is_none(), "it ended too early");
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert_eq!(bench.names(), before);
+    assert_eq!(bench.read("a.png"), b"old");
+}
+
+#[test]
+fn quiet_prints_nothing() {
+    let bench = Bench::new();
+    // A frequency far above the cells' makes a warning.
+    let warned = [
+        "render",
+        "small.toml",
+        "-o",
+        "a.png",
+        "--size",
+        "8x8",
+        "--set",
+        "turbulence.frequency=9",
+    ];
+    assert!(text(&bench.ok(&warned).stderr).contains("warning: the highest turbulence octave"));
+    let quiet = bench.ok(&[&warned[..], &["--quiet"]].concat());
+    assert_eq!(text(&quiet.stderr), "");
+}

@@ -70,7 +70,7 @@ fn hand_editors_find_units_ranges_and_rows() {
     let text = preset::write(&Design::default()).unwrap();
     let lines = [
         "format = 1",
-        "base_width    = 2.1          # mm, 0.05 to 50: Width of a loop at its root: leg spacing plus yarn diameter.",
+        "lean_x        = 0.0          # °, -75 to 75: Lean of all loops along the weft: the nap.",
         "    [7, 0],",
         "    [0, 7],",
         "# image   =            # Path of the image, relative to the preset; no image means one colour.",

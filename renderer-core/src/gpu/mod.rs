@@ -1,1 +1,5 @@
 //! gpu
+
+mod adapters;
+
+pub use adapters::{AdapterSummary, adapters};

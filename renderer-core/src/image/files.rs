@@ -81,6 +81,18 @@ pub fn encode_png(
     Ok(file)
 }
 
+/// A PNG of gray values with straight alpha, row 0 at the top.
+///
+/// # Errors
+/// When the encoder refuses.
+pub fn encode_png_gray_alpha(size: [u32; 2], pixels: &[[u8; 2]]) -> Result<Vec<u8>, ImageError> {
+    let mut file = Vec::new();
+    let [width, height] = size;
+    let bytes = pixels.as_flattened();
+    PngEncoder::new(&mut file).write_image(bytes, width, height, ExtendedColorType::La8)?;
+    Ok(file)
+}
+
 /// Linear colour behind the cloth, which transparent files leave out.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Background(pub [f64; 3]);

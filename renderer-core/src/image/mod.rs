@@ -7,6 +7,7 @@ pub mod metrics;
 pub use display::Display;
 pub use files::{
     Background, Depth, ExrLayer, ImageError, encode_exr, encode_exr_channels, encode_png,
+    encode_png_gray_alpha,
 };
 
 /// What a backend made: linear radiance, row 0 at the top.

@@ -1,0 +1,57 @@
+//! Parsers of single arguments. Their messages say what is allowed; clap adds the argument and the value.
+
+use renderer_core::design::{Method, Shaped};
+use renderer_core::render::MAX_SIDE;
+
+/// `WxH`, each side 1 to [`MAX_SIDE`].
+pub fn size(text: &str) -> Result<[u32; 2], String> {
+    let allowed = || format!("allowed is WIDTHxHEIGHT, each 1 to {MAX_SIDE} pixels");
+    let (width, height) = text.split_once(['x', 'X']).ok_or_else(allowed)?;
+    let side = |text: &str| {
+        let side = text.parse().ok();
+        side.filter(|side| (1..=MAX_SIDE).contains(side))
+            .ok_or_else(allowed)
+    };
+    Ok([side(width)?, side(height)?])
+}
+
+/// `X,Y,W,H`; whether it lies inside the picture is known only with its size.
+pub fn crop(text: &str) -> Result<[u32; 4], String> {
+    let numbers: Option<Vec<u32>> = text.split(',').map(|part| part.parse().ok()).collect();
+    numbers
+        .and_then(|numbers| <[u32; 4]>::try_from(numbers).ok())
+        .ok_or_else(|| "allowed is X,Y,WIDTH,HEIGHT in pixels from the top left".into())
+}
+
+/// `PATH=VALUE`.
+pub fn field_and_value(text: &str) -> Result<(String, String), String> {
+    text.split_once('=')
+        .map(|(path, value)| (path.trim().to_owned(), value.trim().to_owned()))
+        .ok_or_else(|| "allowed is PATH=VALUE, as in pile.tilt=30".into())
+}
+
+/// A method by its name in presets.
+pub fn method(text: &str) -> Result<Method, String> {
+    Method::ALL
+        .iter()
+        .copied()
+        .find(|method| method.name() == text)
+        .ok_or_else(|| format!("allowed is {}", Method::shape().allowed()))
+}
+
+/// An error to stop at.
+pub fn error_target(text: &str) -> Result<f64, String> {
+    let error = text.parse().ok();
+    error
+        .filter(|error| *error > 0.0 && *error <= 1.0)
+        .ok_or_else(|| "allowed is a number above 0, up to 1".into())
+}
+
+/// A time limit in seconds.
+pub fn seconds(text: &str) -> Result<f64, String> {
+    const WEEK: f64 = 7.0 * 24.0 * 3600.0;
+    let seconds = text.parse().ok();
+    seconds
+        .filter(|seconds| *seconds > 0.0 && *seconds <= WEEK)
+        .ok_or_else(|| format!("allowed is a number of seconds above 0, up to {WEEK} (a week)"))
+}

@@ -1,0 +1,99 @@
+//! `export loops`: every loop of a design, in mm and world space, and the list of them as JSON.
+
+use std::path::Path;
+
+use glam::DVec3;
+use renderer_core::design::{Colour, Design};
+use renderer_core::scene::{self, ChartOnSheet, Face, PlantedLoop, Scene};
+
+use crate::files;
+
+/// One loop as other programs see it.
+pub struct LoopRecord {
+    /// Where it stands.
+    pub planted: PlantedLoop,
+    /// P0 to P3, mm, world space.
+    pub corners: [DVec3; 4],
+    /// Unit normal of its patch's middle.
+    pub normal: DVec3,
+    /// Colour of its chart texel.
+    pub colour: Colour,
+    /// Length of its axis, mm.
+    pub length: f64,
+    /// Single-scatter albedo of its fibres, linear.
+    pub albedo: [f64; 3],
+    /// Which of the volumes of its kind.
+    pub variant: u8,
+}
+
+/// All loops of a scene, row by row from the near edge.
+pub fn records<'s>(
+    design: &'s Design,
+    scene: &'s Scene,
+) -> impl Iterator<Item = LoopRecord> + use<'s> {
+    let (sheet, loops) = (&*scene.sheet, &*scene.loops);
+    let chart = ChartOnSheet::new(&design.chart, sheet.warps, sheet.wefts);
+    let planted = (0..sheet.wefts).flat_map(move |j| loops.planted_in_row(sheet, j));
+    planted.map(move |planted| {
+        let [i, j] = planted.cell;
+        let [x, y] = sheet.cell_centre(i64::from(i), i64::from(j));
+        let shape = &loops.shapes[planted.index as usize];
+        let look = &scene.looks[planted.index as usize];
+        let centre = DVec3::new(x, y, 0.0);
+        LoopRecord {
+            planted,
+            corners: shape
+                .corners(loops.base_width_mm)
+                .map(|corner| centre + corner),
+            normal: shape.normal(loops.base_width_mm),
+            colour: Colour(chart.colour(i as usize, j as usize).unwrap_or_default()),
+            length: DVec3::from_array(shape.axis.map(f64::from)).length(),
+            albedo: look.albedo(),
+            variant: look.variant,
+        }
+    })
+}
+
+/// Writes the list as JSON, a loop a line.
+pub fn write(design: &Design, output: &Path) -> anyhow::Result<()> {
+    let scene = scene::compile(design)?;
+    files::write_atomically_with(output, |file| {
+        let sheet = &scene.sheet;
+        writeln!(file, "{{")?;
+        writeln!(
+            file,
+            "\"units\": \"mm, world space: x along the weft, y along the warp, z up from the front\","
+        )?;
+        writeln!(
+            file,
+            "\"warps\": {}, \"wefts\": {}, \"pitch\": [{}, {}], \"thickness\": {},",
+            sheet.warps, sheet.wefts, sheet.pitch_x_mm, sheet.pitch_y_mm, scene.loops.thickness_mm
+        )?;
+        write!(file, "\"loops\": [")?;
+        for (index, record) in records(design, &scene).enumerate() {
+            let separator = if index == 0 { "" } else { "," };
+            write!(file, "{separator}\n{}", json(&record))?;
+        }
+        writeln!(file, "\n]\n}}")
+    })?;
+    Ok(())
+}
+
+fn json(record: &LoopRecord) -> String {
+    // Six decimals: nanometres.
+    let vector = |v: DVec3| format!("[{:.6},{:.6},{:.6}]", v.x, v.y, v.z);
+    let [p0, p1, p2, p3] = record.corners.map(vector);
+    let [i, j] = record.planted.cell;
+    let face = match record.planted.face {
+        Face::Front => "front",
+        Face::Back => "back",
+    };
+    let [r, g, b] = record.albedo;
+    format!(
+        "{{\"cell\":[{i},{j}],\"face\":\"{face}\",\"p0\":{p0},\"p1\":{p1},\"p2\":{p2},\"p3\":{p3},\"normal\":{},\"colour\":\"{}\",\"albedo\":[{r:.5},{g:.5},{b:.5}],\"length\":{:.6},\"variant\":{}}}",
+        vector(record.normal),
+        String::from(record.colour),
+        record.length,
+        record.variant
+    )
+}

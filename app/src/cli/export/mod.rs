@@ -1,0 +1,88 @@
+//! `export`: what a preset is made of, for other programs.
+
+mod glb;
+mod loops;
+mod turbulence;
+mod volume;
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Subcommand};
+use renderer_core::design::Design;
+
+use super::{BadArgument, arguments};
+use crate::files;
+
+/// What to export.
+#[derive(Debug, Subcommand)]
+pub enum Export {
+    /// Every loop's patch, normal, colour, length and variant, as .json or .glb.
+    Loops(ExportArguments),
+    /// The volumes inside the loops, a PNG a layer, into a folder.
+    Volume(ExportArguments),
+    /// The four channels of the turbulence, one pixel a cell, as .exr.
+    Turbulence(ExportArguments),
+}
+
+/// Arguments of every export.
+#[derive(Debug, Args)]
+pub struct ExportArguments {
+    /// Preset to read.
+    preset: PathBuf,
+    /// File or folder to write.
+    #[arg(short, long)]
+    output: PathBuf,
+    /// Change a field of the preset, as in turbulence.seed=3.
+    #[arg(long, value_name = "PATH=VALUE", value_parser = arguments::field_and_value)]
+    set: Vec<(String, String)>,
+}
+
+/// Reads, computes and writes.
+pub fn run(export: &Export) -> anyhow::Result<()> {
+    match export {
+        Export::Loops(arguments) => {
+            let format = extension(&arguments.output, &["json", "glb"])?;
+            let design = open(arguments)?;
+            match format {
+                "glb" => glb::write(&design, &arguments.output),
+                _ => loops::write(&design, &arguments.output),
+            }
+        }
+        Export::Volume(arguments) => volume::write(&load(arguments)?, &arguments.output),
+        Export::Turbulence(arguments) => {
+            extension(&arguments.output, &["exr"])?;
+            turbulence::write(&open(arguments)?, &arguments.output)
+        }
+    }
+}
+
+fn load(arguments: &ExportArguments) -> anyhow::Result<Design> {
+    Ok(files::load_design_with(&arguments.preset, &arguments.set)?)
+}
+
+/// Reads the preset and makes sure that the output can be written.
+fn open(arguments: &ExportArguments) -> anyhow::Result<Design> {
+    let design = load(arguments)?;
+    files::check_writable(&arguments.output)?;
+    Ok(design)
+}
+
+/// The output's extension, which must be one of `allowed`.
+fn extension(output: &Path, allowed: &[&'static str]) -> Result<&'static str, BadArgument> {
+    let found = output
+        .extension()
+        .and_then(OsStr::to_str)
+        .unwrap_or_default();
+    let known = allowed
+        .iter()
+        .find(|known| found.eq_ignore_ascii_case(known));
+    known.copied().ok_or_else(|| {
+        let names: Vec<String> = allowed.iter().map(|name| format!(".{name}")).collect();
+        BadArgument(format!(
+            "the output is {}, allowed are names that end in {}",
+            output.display(),
+            names.join(" or ")
+        ))
+    })
+}

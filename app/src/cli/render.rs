@@ -1,0 +1,374 @@
+//! `render`: a preset to a picture file, without a window.
+//!
+//! Everything that can be wrong with the arguments is found before the first ray: the preset, the chart, the camera, the
+//! output. The picture is written last and at once, so that Ctrl-C leaves nothing behind.
+
+use std::ffi::OsStr;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use renderer_core::design::{Design, Method, Quality};
+use renderer_core::image::{
+    Background, Depth, Display, ExrLayer, Picture, encode_exr, encode_png, metrics,
+};
+use renderer_core::render::{Backend, Camera, Progress, RenderRequest, Settings};
+use renderer_core::scene;
+
+use super::stats::{Bytes, Seconds, Stats, scene_bytes};
+use super::{BadArgument, arguments};
+use crate::backend::{self, BackendChoice};
+use crate::files;
+
+/// How long a backend works between looks at the clock.
+const SLICE: Duration = Duration::from_millis(100);
+
+/// Arguments of `render`.
+#[derive(Debug, clap::Args)]
+pub struct RenderArguments {
+    /// Preset to render.
+    preset: PathBuf,
+    /// File to write: .png as displayed, .exr linear.
+    #[arg(short, long, value_name = "OUT.png|OUT.exr")]
+    output: PathBuf,
+    /// Size of the picture in pixels.
+    #[arg(long, value_name = "WxH", default_value = "800x600", value_parser = arguments::size)]
+    size: [u32; 2],
+    /// Stop at this many samples a pixel.
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(samples_range()))]
+    samples: Option<u32>,
+    /// Stop at this estimated relative error.
+    #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = arguments::error_target)]
+    error: Option<f64>,
+    /// Stop after this many seconds of rendering, but not before the first whole sample.
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = arguments::seconds)]
+    time: Option<f64>,
+    /// How a ray gathers light: single, layered or tracked.
+    #[arg(long, value_parser = arguments::method)]
+    method: Option<Method>,
+    /// Most scatterings of a path.
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(bounces_range()))]
+    bounces: Option<u32>,
+    /// What to render with.
+    #[arg(long, value_enum, default_value_t)]
+    backend: BackendChoice,
+    /// Seed of the noise.
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    seed: Option<u32>,
+    /// Camera of the preset; its first unless told.
+    #[arg(long, value_name = "NAME")]
+    camera: Option<String>,
+    /// Change a field of the preset, as in turbulence.seed=3 or light.sun[0].elevation=30.
+    #[arg(long, value_name = "PATH=VALUE", value_parser = arguments::field_and_value)]
+    set: Vec<(String, String)>,
+    /// Render only this part of the picture.
+    #[arg(long, value_name = "X,Y,W,H", value_parser = arguments::crop)]
+    crop: Option<[u32; 4]>,
+    /// Extra channels, for .exr.
+    #[arg(long, value_name = "LAYERS", value_enum, value_delimiter = ',')]
+    aov: Vec<AovArgument>,
+    /// Bits a channel, for .png: 8 unless told.
+    #[arg(long, value_name = "8|16", value_parser = ["8", "16"])]
+    depth: Option<String>,
+    /// Leave the background out: alpha says how much of a pixel is cloth.
+    #[arg(long)]
+    transparent: bool,
+    /// Write times, sizes and quality as JSON.
+    #[arg(long, value_name = "OUT.json")]
+    stats: Option<PathBuf>,
+    /// Count rays, cells, patch tests and so on for --stats; costs time.
+    #[arg(long, requires = "stats")]
+    counters: bool,
+    /// Print nothing but errors.
+    #[arg(long)]
+    quiet: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, clap::ValueEnum)]
+enum AovArgument {
+    Depth,
+    Normal,
+    Albedo,
+    Alpha,
+}
+
+fn samples_range() -> std::ops::RangeInclusive<i64> {
+    let field = Quality::FIELDS.samples;
+    field.min as i64..=field.max as i64
+}
+
+fn bounces_range() -> std::ops::RangeInclusive<i64> {
+    let field = Quality::FIELDS.bounces;
+    field.min as i64..=field.max as i64
+}
+
+/// What file to make of the picture.
+enum Format {
+    Png(Depth),
+    Exr(Vec<ExrLayer>),
+}
+
+/// Renders and writes.
+pub fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
+    let start = Instant::now();
+    let mut seconds = Seconds::default();
+
+    let format = format(arguments)?;
+    let design = files::load_design_with(&arguments.preset, &arguments.set)?;
+    let camera = camera(&design, arguments)?;
+    files::check_writable(&arguments.output)?;
+    if let Some(stats) = &arguments.stats {
+        files::check_writable(stats)?;
+    }
+    seconds.open = start.elapsed().as_secs_f64();
+
+    let scene = timed(&mut seconds.compile, || scene::compile(&design))?;
+    let scene = Arc::new(scene);
+    if !arguments.quiet {
+        for warning in scene::warnings(&design, &scene) {
+            eprintln!("warning: {warning}");
+        }
+    }
+
+    let [width, height] = arguments.size;
+    let request = RenderRequest {
+        scene: Arc::clone(&scene),
+        camera,
+        size: arguments.size,
+        crop: arguments.crop.unwrap_or([0, 0, width, height]),
+        settings: settings(&design, arguments, &format),
+    };
+    let mut backend = timed(&mut seconds.pipelines, || backend::make(arguments.backend))?;
+    timed(&mut seconds.upload, || backend.begin(&request))?;
+
+    let rendering = Instant::now();
+    let (progress, first) = render(&mut *backend, &request, arguments)?;
+    let picture = backend.picture()?;
+    seconds.render = rendering.elapsed().as_secs_f64();
+    seconds.first_image = (rendering - start + first).as_secs_f64();
+
+    timed(&mut seconds.write, || {
+        let file = encode(&picture, &design, &format, arguments.transparent)?;
+        files::write_atomically(&arguments.output, &file)?;
+        anyhow::Ok(())
+    })?;
+    let nonfinite_pixels = metrics::nonfinite_pixels(&picture);
+    if nonfinite_pixels > 0 {
+        eprintln!(
+            "warning: {nonfinite_pixels} pixels are not finite, which is a fault of this program"
+        );
+    }
+
+    if let Some(path) = &arguments.stats {
+        let kind = backend.kind();
+        let counters = match arguments.counters {
+            true => Some(backend.counters()?.into()),
+            false => None,
+        };
+        seconds.total = start.elapsed().as_secs_f64();
+        let stats = Stats {
+            version: env!("CARGO_PKG_VERSION"),
+            adapter: backend.device_name(),
+            backend: kind.name(),
+            method: request.settings.method.name(),
+            size: request.size,
+            crop: request.crop,
+            samples: progress.samples,
+            loops: scene.loops.counts.planted,
+            dropped_loops: scene.loops.counts.dropped,
+            seconds,
+            counters,
+            error_estimate: progress.error_estimate,
+            nonfinite_pixels,
+            bytes: Bytes {
+                scene: scene_bytes(&scene),
+                per_loop: scene.loops.bytes_per_loop(),
+                gpu_total: match kind {
+                    renderer_core::render::BackendKind::Gpu => backend.device_bytes(),
+                    _ => 0,
+                },
+            },
+        };
+        let json = serde_json::to_string_pretty(&stats)? + "\n";
+        files::write_atomically(path, json.as_bytes())?;
+    }
+    Ok(())
+}
+
+/// Runs `work` and notes how long it took.
+fn timed<T>(seconds: &mut f64, work: impl FnOnce() -> T) -> T {
+    let start = Instant::now();
+    let result = work();
+    *seconds = start.elapsed().as_secs_f64();
+    result
+}
+
+/// The format that the output's extension asks for; arguments that do not fit it are refused.
+fn format(arguments: &RenderArguments) -> Result<Format, BadArgument> {
+    let extension = arguments.output.extension().and_then(OsStr::to_str);
+    let extension = extension.unwrap_or_default().to_ascii_lowercase();
+    let output = arguments.output.display();
+    match extension.as_str() {
+        "png" if !arguments.aov.is_empty() => Err(BadArgument(format!(
+            "--aov needs an .exr file, but the output is {output}"
+        ))),
+        "png" => Ok(Format::Png(match arguments.depth.as_deref() {
+            Some("16") => Depth::Sixteen,
+            _ => Depth::Eight,
+        })),
+        "exr" if arguments.depth.is_some() => Err(BadArgument(format!(
+            "--depth is for .png files; {output} has 32-bit floats"
+        ))),
+        "exr" => {
+            let mut layers: Vec<ExrLayer> = arguments
+                .aov
+                .iter()
+                .map(|aov| match aov {
+                    AovArgument::Depth => ExrLayer::Depth,
+                    AovArgument::Normal => ExrLayer::Normal,
+                    AovArgument::Albedo => ExrLayer::Albedo,
+                    AovArgument::Alpha => ExrLayer::Alpha,
+                })
+                .collect();
+            layers.sort();
+            layers.dedup();
+            Ok(Format::Exr(layers))
+        }
+        _ => Err(BadArgument(format!(
+            "the output is {output}, allowed are names that end in .png or .exr"
+        ))),
+    }
+}
+
+/// The camera asked for.
+fn camera(design: &Design, arguments: &RenderArguments) -> Result<Camera, BadArgument> {
+    let cameras = &design.view.cameras;
+    let found = match &arguments.camera {
+        None => cameras.first(),
+        Some(name) => cameras.iter().find(|camera| camera.name == *name),
+    };
+    found.map(Camera::from_design).ok_or_else(|| {
+        let names: Vec<String> = cameras.iter().map(|c| format!("{:?}", c.name)).collect();
+        BadArgument(format!(
+            "{}: there is no camera {:?}, allowed are {}",
+            arguments.preset.display(),
+            arguments.camera.as_deref().unwrap_or_default(),
+            names.join(", ")
+        ))
+    })
+}
+
+/// The preset's quality, with what the arguments say instead.
+fn settings(design: &Design, arguments: &RenderArguments, format: &Format) -> Settings {
+    let preset = Settings::from(&design.quality);
+    let given =
+        arguments.samples.is_some() || arguments.error.is_some() || arguments.time.is_some();
+    let (samples, error) = if given {
+        let most = Quality::FIELDS.samples.max as u32;
+        (
+            arguments.samples.unwrap_or(most),
+            arguments.error.unwrap_or(0.0),
+        )
+    } else {
+        (preset.samples, preset.error)
+    };
+    Settings {
+        method: arguments.method.unwrap_or(preset.method),
+        bounces: arguments.bounces.unwrap_or(preset.bounces),
+        samples,
+        error,
+        seed: arguments.seed.unwrap_or(preset.seed),
+        aov: matches!(format, Format::Exr(layers) if layers.iter().any(|l| *l != ExrLayer::Alpha)),
+        counters: arguments.counters,
+    }
+}
+
+/// Adds samples until a target is reached. Also returns when the first whole sample was there.
+fn render(
+    backend: &mut dyn Backend,
+    request: &RenderRequest,
+    arguments: &RenderArguments,
+) -> anyhow::Result<(Progress, Duration)> {
+    let start = Instant::now();
+    let limit = arguments.time.map(Duration::from_secs_f64);
+    let bar = Bar::new(arguments.quiet);
+    let never = AtomicBool::new(false);
+    let mut first = None;
+    loop {
+        let left = limit.map(|limit| limit.saturating_sub(start.elapsed()));
+        // Past its time a picture without samples goes on until it has one.
+        let slice = left
+            .filter(|left| !left.is_zero())
+            .map_or(SLICE, |left| left.min(SLICE));
+        let progress = backend.advance(slice, &never)?;
+        let elapsed = start.elapsed();
+        if progress.samples > 0 {
+            first.get_or_insert(elapsed);
+        }
+        bar.show(&progress, request, elapsed, limit);
+        let out_of_time = limit.is_some_and(|limit| elapsed >= limit);
+        if progress.done || (out_of_time && progress.samples > 0) {
+            return Ok((progress, first.unwrap_or(elapsed)));
+        }
+    }
+}
+
+/// The progress bar: drawn on stderr, and only if that is a terminal.
+struct Bar(ProgressBar);
+
+impl Bar {
+    const LENGTH: u64 = 1000;
+
+    fn new(quiet: bool) -> Self {
+        let bar = if quiet {
+            ProgressBar::hidden()
+        } else {
+            ProgressBar::new(Self::LENGTH)
+        };
+        let style = ProgressStyle::with_template("{bar:30} {msg} · {elapsed} · {eta} left");
+        Self(match style {
+            Ok(style) => bar.with_style(style),
+            Err(_) => bar,
+        })
+    }
+
+    fn show(
+        &self,
+        progress: &Progress,
+        request: &RenderRequest,
+        elapsed: Duration,
+        limit: Option<Duration>,
+    ) {
+        let samples = f64::from(progress.samples) / f64::from(request.settings.samples);
+        let time = limit.map_or(0.0, |limit| elapsed.as_secs_f64() / limit.as_secs_f64());
+        // An error falls with about the square root of the samples, so its inverse square shows how far it is.
+        let error = progress.error_estimate.filter(|error| *error > 0.0);
+        let error_share = error.map_or(0.0, |error| (request.settings.error / error).powi(2));
+        let share = samples.max(time).max(error_share).clamp(0.0, 1.0);
+        self.0.set_position((share * Self::LENGTH as f64) as u64);
+        let error = error.map_or_else(String::new, |error| format!(" · error {error:.4}"));
+        self.0
+            .set_message(format!("{} samples{error}", progress.samples));
+    }
+}
+
+impl Drop for Bar {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}
+
+fn encode(
+    picture: &Picture,
+    design: &Design,
+    format: &Format,
+    transparent: bool,
+) -> anyhow::Result<Vec<u8>> {
+    let background = transparent.then(|| Background(design.light.background.linear()));
+    Ok(match format {
+        Format::Png(depth) => encode_png(picture, Display::from(&design.view), *depth, background)?,
+        Format::Exr(layers) => encode_exr(picture, layers, background)?,
+    })
+}

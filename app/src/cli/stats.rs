@@ -1,0 +1,118 @@
+//! The file that `render --stats` writes: what was rendered, with what, how long each part took, and how good it is.
+
+use renderer_core::render::Counters;
+use renderer_core::scene::Scene;
+use serde::Serialize;
+
+/// The whole file.
+#[derive(Debug, Serialize)]
+pub struct Stats {
+    /// Version of the program.
+    pub version: &'static str,
+    /// Adapter or processor.
+    pub adapter: String,
+    /// `gpu`, `cpu` or `reference`.
+    pub backend: &'static str,
+    /// Name of the method.
+    pub method: String,
+    /// Width and height of the whole picture.
+    pub size: [u32; 2],
+    /// The part that was rendered: x, y, width, height.
+    pub crop: [u32; 4],
+    /// Samples a pixel.
+    pub samples: u32,
+    /// Loops in the scene.
+    pub loops: u64,
+    /// Loops left out because they were degenerate.
+    pub dropped_loops: u64,
+    /// Wall-clock times.
+    pub seconds: Seconds,
+    /// Work done, when asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub counters: Option<CountersJson>,
+    /// Estimated relRMSE; null below four samples.
+    pub error_estimate: Option<f64>,
+    /// Pixels with a value that is infinite or NaN; always 0, or something is wrong.
+    pub nonfinite_pixels: u64,
+    /// Sizes in memory.
+    pub bytes: Bytes,
+}
+
+/// Wall-clock seconds of each part.
+#[derive(Debug, Default, Serialize)]
+pub struct Seconds {
+    /// Reading preset and chart.
+    pub open: f64,
+    /// From design to scene.
+    pub compile: f64,
+    /// Giving the scene to the backend.
+    pub upload: f64,
+    /// Making the backend ready: adapter, device, pipelines.
+    pub pipelines: f64,
+    /// From the program's start to the first whole sample of the picture.
+    pub first_image: f64,
+    /// Adding samples.
+    pub render: f64,
+    /// Encoding and writing the picture.
+    pub write: f64,
+    /// From the program's start to here.
+    pub total: f64,
+}
+
+/// Sizes in memory, bytes.
+#[derive(Debug, Serialize)]
+pub struct Bytes {
+    /// All records of the scene.
+    pub scene: u64,
+    /// Frames, lists and bounds for each loop, all told.
+    pub per_loop: f64,
+    /// On the GPU; 0 for other backends.
+    pub gpu_total: u64,
+}
+
+/// [`Counters`] as written.
+#[derive(Debug, Serialize)]
+pub struct CountersJson {
+    rays: u64,
+    cells: u64,
+    patch_tests: u64,
+    volume_samples: u64,
+    contributing_hits: u64,
+    shadow_rays: u64,
+    skipped_tiles: u64,
+}
+
+impl From<Counters> for CountersJson {
+    fn from(counters: Counters) -> Self {
+        let Counters {
+            rays,
+            shadow_rays,
+            cells,
+            patch_tests,
+            volume_samples,
+            contributing_hits,
+            skipped_tiles,
+        } = counters;
+        Self {
+            rays,
+            cells,
+            patch_tests,
+            volume_samples,
+            contributing_hits,
+            shadow_rays,
+            skipped_tiles,
+        }
+    }
+}
+
+/// Bytes of all records of a scene.
+pub fn scene_bytes(scene: &Scene) -> u64 {
+    let (loops, volumes) = (&scene.loops, &scene.volumes);
+    let bytes = size_of_val(&*loops.shapes)
+        + size_of_val(&*loops.headers)
+        + size_of_val(&*loops.entries)
+        + size_of_val(scene.looks.as_slice())
+        + size_of_val(&*volumes.voxels)
+        + size_of_val(&*volumes.tangents);
+    bytes as u64
+}

@@ -14,11 +14,21 @@ use glam::DVec3;
 use super::LoopShape;
 
 /// Most parts along each side of a patch.
-const MAX_PARTS: u32 = 3;
+const MAX_PARTS: usize = 4;
 /// How much of the thickness the bulge of a part may add before the patch is split.
-const BULGE: f64 = 0.15;
+const BULGE: f64 = 0.05;
 /// Slopes above this are left out: rounding would eat the bound.
 const STEEPEST: f64 = 1e4;
+
+/// Smallest box that holds the volume: that of its eight corners, since every point is a mean of them.
+pub(super) fn box_of(shape: &LoopShape, base_width_mm: f32, thickness_mm: f32) -> [DVec3; 2] {
+    let [p0, p1, p2, p3] = shape.corners(base_width_mm);
+    let half = 0.5 * f64::from(thickness_mm) * shape.normal(base_width_mm).abs();
+    [
+        p0.min(p1).min(p2).min(p3) - half,
+        p0.max(p1).max(p2).max(p3) + half,
+    ]
+}
 
 /// A parallelepiped: all centre ± first edge ± second edge ± third edge.
 #[derive(Debug, Clone, Copy)]
@@ -30,42 +40,40 @@ pub(super) struct Part {
 impl Part {
     /// Largest distance from the centre along x, y and z.
     pub(super) fn half_size(&self) -> DVec3 {
-        self.edges.iter().map(|edge| edge.abs()).sum()
+        let [p, q, r] = self.edges.map(DVec3::abs);
+        p + q + r
     }
 }
 
-/// Calls `visit` with parts that together hold the loop's volume.
-pub(super) fn for_each_part(
+/// Parts that together hold the loop's volume.
+pub(super) fn parts(
     shape: &LoopShape,
     base_width_mm: f32,
     thickness_mm: f32,
-    mut visit: impl FnMut(&Part),
-) {
+) -> impl Iterator<Item = Part> {
     let [b, c, a] = shape.coefficients(base_width_mm);
-    let normal = b.cross(c).normalize_or(DVec3::X);
-    let [p0, _, p2, _] = shape.corners(base_width_mm);
-    // P(½,½) lies between the diagonals' middles.
-    let [_, p1, _, p3] = shape.corners(base_width_mm);
+    let normal = shape.normal(base_width_mm);
+    let [p0, p1, p2, p3] = shape.corners(base_width_mm);
     let middle = 0.25 * (p0 + p1 + p2 + p3);
     let half_thickness = 0.5 * f64::from(thickness_mm);
     let [alpha, beta, gamma] = decompose(a, b, c, normal);
     let bulge = gamma.abs() / (8.0 * half_thickness * BULGE);
     let skew = (alpha.abs() + beta.abs()) / (4.0 * BULGE);
-    let parts = (bulge.max(skew).sqrt().ceil() as u32).clamp(1, MAX_PARTS);
-    let half = 0.5 / f64::from(parts);
-    for index in 0..parts * parts {
-        let [u, v] = [index % parts, index / parts].map(|k| f64::from(2 * k + 1) * half - 0.5);
+    let count = (bulge.max(skew).sqrt().ceil() as usize).clamp(1, MAX_PARTS);
+    let half = 0.5 / count as f64;
+    (0..count * count).map(move |index| {
+        let [u, v] = [index % count, index / count].map(|k| (2 * k + 1) as f64 * half - 0.5);
         let (b, c) = (b + v * a, c + u * a);
         let [alpha, beta, gamma] = decompose(a, b, c, normal).map(f64::abs);
-        visit(&Part {
+        Part {
             centre: middle + u * b + v * c - u * v * a,
             edges: [
                 b * (half + half * half * alpha),
                 c * (half + half * half * beta),
                 normal * (half_thickness + half * half * gamma),
             ],
-        });
-    }
+        }
+    })
 }
 
 /// (α, β, γ) with a = αb + βc + γn̂; b and c are not parallel, and n̂ not in their plane.
@@ -88,18 +96,21 @@ fn decompose(a: DVec3, b: DVec3, c: DVec3, normal: DVec3) -> [f64; 3] {
 /// A part prepared for cells of one size.
 pub(super) struct PartOverCells {
     centre: DVec3,
-    /// Outline normals (x, y) and how far from the centre a cell's centre may be along them.
+    /// Outline normals (x, y) and how far from the part's centre a cell's centre may be along them.
     outline: [[f64; 3]; 3],
-    reach: [f64; 2],
-    /// (λ, μ, K): over a cell at (x, y) from the centre, |z − λx − μy| ≤ K.
-    planes: [[f64; 3]; 10],
+    /// Over a cell at (x, y) from the centre, |z − λx − μy| ≤ K for each (λ, μ, K).
+    lambda: [f64; PLANES],
+    mu: [f64; PLANES],
+    k: [f64; PLANES],
 }
+
+/// Vertices of the dual: no slope, slopes along x or y alone that follow one edge, slopes that follow two edges.
+const PLANES: usize = 10;
 
 impl PartOverCells {
     /// Prepares a part for cells of half size `cell`.
     pub(super) fn new(part: &Part, cell: [f64; 2]) -> Self {
         let edges = part.edges;
-        let half = part.half_size();
         let outline = edges.map(|edge| {
             let normal = [-edge.y, edge.x];
             let along = |e: &DVec3| (normal[0] * e.x + normal[1] * e.y).abs();
@@ -107,54 +118,60 @@ impl PartOverCells {
             let reach = edges.iter().map(along).sum::<f64>() + cell_reach;
             [normal[0], normal[1], reach]
         });
-        let plane = |lambda: f64, mu: f64| {
-            // NaN fails the comparison, too.
-            let usable = lambda.abs() < STEEPEST && mu.abs() < STEEPEST;
-            let (lambda, mu) = if usable { (lambda, mu) } else { (0.0, 0.0) };
-            let off = |e: &DVec3| (e.z - lambda * e.x - mu * e.y).abs();
-            let over_cell = lambda.abs() * cell[0] + mu.abs() * cell[1];
-            [lambda, mu, edges.iter().map(off).sum::<f64>() + over_cell]
-        };
         let along_both = |p: DVec3, q: DVec3| {
-            let determinant = p.x * q.y - p.y * q.x;
-            plane(
-                (p.z * q.y - p.y * q.z) / determinant,
-                (p.x * q.z - p.z * q.x) / determinant,
-            )
+            let inverse = 1.0 / (p.x * q.y - p.y * q.x);
+            [
+                (p.z * q.y - p.y * q.z) * inverse,
+                (p.x * q.z - p.z * q.x) * inverse,
+            ]
         };
         let [p, q, r] = edges;
+        let slopes = [
+            [0.0, 0.0],
+            [p.z / p.x, 0.0],
+            [q.z / q.x, 0.0],
+            [r.z / r.x, 0.0],
+            [0.0, p.z / p.y],
+            [0.0, q.z / q.y],
+            [0.0, r.z / r.y],
+            along_both(p, q),
+            along_both(q, r),
+            along_both(r, p),
+        ];
+        let slopes = slopes.map(|[lambda, mu]| {
+            // NaN fails the comparison, too. Level planes always bound.
+            let usable = lambda.abs() < STEEPEST && mu.abs() < STEEPEST;
+            if usable { [lambda, mu] } else { [0.0, 0.0] }
+        });
+        let off = |[lambda, mu]: [f64; 2]| {
+            let over_edges = edges.map(|e| (e.z - lambda * e.x - mu * e.y).abs());
+            let over_cell = lambda.abs() * cell[0] + mu.abs() * cell[1];
+            over_edges.iter().sum::<f64>() + over_cell
+        };
         Self {
             centre: part.centre,
             outline,
-            reach: [half.x + cell[0], half.y + cell[1]],
-            planes: [
-                plane(0.0, 0.0),
-                plane(p.z / p.x, 0.0),
-                plane(q.z / q.x, 0.0),
-                plane(r.z / r.x, 0.0),
-                plane(0.0, p.z / p.y),
-                plane(0.0, q.z / q.y),
-                plane(0.0, r.z / r.y),
-                along_both(p, q),
-                along_both(q, r),
-                along_both(r, p),
-            ],
+            lambda: slopes.map(|[lambda, _]| lambda),
+            mu: slopes.map(|[_, mu]| mu),
+            k: slopes.map(off),
         }
     }
 
-    /// Lowest and highest point of the part over the cell whose centre is at `cell`; `None` where they do not meet.
+    /// Lowest and highest point of the part over the cell whose centre is at `cell`, a cell that the part's box
+    /// reaches; `None` where the part does not.
     pub(super) fn z_range(&self, cell: [f64; 2]) -> Option<[f64; 2]> {
         let (x, y) = (cell[0] - self.centre.x, cell[1] - self.centre.y);
         let apart = |[nx, ny, reach]: &[f64; 3]| (nx * x + ny * y).abs() > *reach;
-        if x.abs() > self.reach[0] || y.abs() > self.reach[1] || self.outline.iter().any(apart) {
+        if self.outline.iter().any(apart) {
             return None;
         }
-        let mut low = f64::NEG_INFINITY;
-        let mut high = f64::INFINITY;
-        for [lambda, mu, k] in &self.planes {
-            let middle = lambda * x + mu * y;
-            low = low.max(middle - k);
-            high = high.min(middle + k);
+        let [mut low, mut high] = [-self.k[0], self.k[0]];
+        for plane in 1..PLANES {
+            let middle = self.lambda[plane] * x + self.mu[plane] * y;
+            let [floor, ceiling] = [middle - self.k[plane], middle + self.k[plane]];
+            // Not f64::max and min: these are one instruction each, since nothing is NaN.
+            low = if floor > low { floor } else { low };
+            high = if ceiling < high { ceiling } else { high };
         }
         // At a touching corner rounding may cross the two.
         Some([low.min(high) + self.centre.z, high.max(low) + self.centre.z])

@@ -7,9 +7,10 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use glam::DVec3;
 use rayon::prelude::*;
 
-use super::bounds::{PartOverCells, for_each_part};
+use super::bounds::{PartOverCells, box_of, parts};
 use super::skeleton::Face;
 use super::{CellEntry, CellHeader, LoopCounts, LoopShape, Loops, SheetGeometry};
 
@@ -85,27 +86,27 @@ impl Loops {
     }
 }
 
-/// How far loops reach, in mm and in cells from their own.
+/// How far loops reach from their cells' centres, mm.
 #[derive(Clone, Copy)]
 struct Reach {
-    low: [f64; 3],
-    high: [f64; 3],
-    /// Cells beyond the sheet's left and right border.
-    beyond: [i64; 2],
+    low: DVec3,
+    high: DVec3,
+    /// Cells beyond the sheet's left or right border.
+    beyond: i64,
 }
 
 impl Reach {
     const NONE: Self = Self {
-        low: [0.0; 3],
-        high: [0.0; 3],
-        beyond: [0; 2],
+        low: DVec3::ZERO,
+        high: DVec3::ZERO,
+        beyond: 0,
     };
 
     fn join(self, other: Self) -> Self {
         Self {
-            low: std::array::from_fn(|k| self.low[k].min(other.low[k])),
-            high: std::array::from_fn(|k| self.high[k].max(other.high[k])),
-            beyond: std::array::from_fn(|k| self.beyond[k].max(other.beyond[k])),
+            low: self.low.min(other.low),
+            high: self.high.max(other.high),
+            beyond: self.beyond.max(other.beyond),
         }
     }
 }
@@ -117,34 +118,28 @@ fn cells(low: f64, high: f64, pitch: f64) -> [i64; 2] {
 
 /// Bins all loops.
 pub(super) fn build(sheet: &SheetGeometry, planted: Planted) -> Result<Loops, TooManyEntries> {
-    let slack = SLACK
-        * (0..planted.shapes.len())
-            .into_par_iter()
-            .map(|k| {
-                let mut far = 0.0_f64;
-                planted.for_each_extent(k, |low, high| {
-                    for axis in 0..3 {
-                        far = far.max(-low[axis]).max(high[axis]);
-                    }
-                });
-                far
-            })
-            .reduce(|| 0.0, f64::max)
-            .max(sheet.pitch_x_mm)
-            .max(sheet.pitch_y_mm);
+    let farthest = |index: usize| {
+        let [low, high] = planted.box_of(index);
+        (-low).max(high).max_element()
+    };
+    let far_mm = (0..planted.shapes.len())
+        .into_par_iter()
+        .map(farthest)
+        .reduce(|| 0.0, f64::max);
+    let slack = SLACK * far_mm.max(sheet.pitch_x_mm).max(sheet.pitch_y_mm);
     let row_reach: Vec<Reach> = (0..sheet.wefts as usize)
         .into_par_iter()
         .map(|j| planted.row_reach(sheet, j, slack))
         .collect();
     let reach = row_reach.iter().copied().fold(Reach::NONE, Reach::join);
     let margin_y = row_reach.iter().zip(0_i64..).fold(0, |margin, (row, j)| {
-        let [low, high] = cells(row.low[1], row.high[1], sheet.pitch_y_mm);
+        let [low, high] = cells(row.low.y, row.high.y, sheet.pitch_y_mm);
         margin
             .max(-(j + low))
             .max(j + high + 1 - i64::from(sheet.wefts))
     });
-    let margin = [reach.beyond[0].max(reach.beyond[1]), margin_y];
-    let far_z = reach.high[2].max(-reach.low[2]);
+    let margin = [reach.beyond, margin_y];
+    let far_z = reach.high.z.max(-reach.low.z);
     let height_unit_mm = if far_z > 0.0 {
         (far_z / HEIGHT_UNITS) as f32
     } else {
@@ -199,24 +194,19 @@ impl Planted {
         self.row_starts[j]..self.row_starts[j + 1]
     }
 
-    fn for_each_extent(&self, index: usize, mut visit: impl FnMut([f64; 3], [f64; 3])) {
-        let shape = &self.shapes[index];
-        for_each_part(shape, self.base_width_mm, self.thickness_mm, |part| {
-            let half = part.half_size();
-            visit((part.centre - half).into(), (part.centre + half).into());
-        });
+    fn box_of(&self, index: usize) -> [DVec3; 2] {
+        box_of(&self.shapes[index], self.base_width_mm, self.thickness_mm)
     }
 
     fn row_reach(&self, sheet: &SheetGeometry, j: usize, slack: f64) -> Reach {
         let mut reach = Reach::NONE;
         for index in self.rows_loops(j) {
             let i = i64::from(self.warps[index]);
-            self.for_each_extent(index, |low, high| {
-                let (low, high) = (low.map(|x| x - slack), high.map(|x| x + slack));
-                let [first, last] = cells(low[0], high[0], sheet.pitch_x_mm);
-                let beyond = [-(i + first), i + last + 1 - i64::from(sheet.warps)];
-                reach = reach.join(Reach { low, high, beyond });
-            });
+            let [low, high] = self.box_of(index);
+            let (low, high) = (low - slack, high + slack);
+            let [first, last] = cells(low.x, high.x, sheet.pitch_x_mm);
+            let beyond = (-(i + first)).max(i + last + 1 - i64::from(sheet.warps));
+            reach = reach.join(Reach { low, high, beyond });
         }
         reach
     }
@@ -281,7 +271,7 @@ impl Binning<'_> {
         let mut notes = Vec::new();
         let mut patch = Vec::new();
         for (j, reach) in (0_i64..).zip(self.row_reach) {
-            let [low, high] = cells(reach.low[1], reach.high[1], self.sheet.pitch_y_mm);
+            let [low, high] = cells(reach.low.y, reach.high.y, self.sheet.pitch_y_mm);
             if j + high < rows.start || j + low >= rows.end {
                 continue;
             }
@@ -325,15 +315,9 @@ impl Binning<'_> {
         let pitch = [self.sheet.pitch_x_mm, self.sheet.pitch_y_mm];
         let planted = self.planted;
         let shape = &planted.shapes[index];
-        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        planted.for_each_extent(index, |part_low, part_high| {
-            for axis in 0..2 {
-                low[axis] = low[axis].min(part_low[axis] - self.slack);
-                high[axis] = high[axis].max(part_high[axis] + self.slack);
-            }
-        });
-        let [i0, i1] = cells(low[0], high[0], pitch[0]);
-        let [j0, j1] = cells(low[1], high[1], pitch[1]);
+        let [low, high] = planted.box_of(index);
+        let [i0, i1] = cells(low.x - self.slack, high.x + self.slack, pitch[0]);
+        let [j0, j1] = cells(low.y - self.slack, high.y + self.slack, pitch[1]);
         let (j0, j1) = (j0.max(rows.start - own[1]), j1.min(rows.end - 1 - own[1]));
         if j0 > j1 {
             return;
@@ -343,17 +327,14 @@ impl Binning<'_> {
         ranges.clear();
         ranges.resize(width * (j1 - j0 + 1) as usize, NOWHERE);
         let half_cell = pitch.map(|pitch| 0.5 * pitch + self.slack);
-        for_each_part(shape, planted.base_width_mm, planted.thickness_mm, |part| {
-            let half = part.half_size();
+        for part in parts(shape, planted.base_width_mm, planted.thickness_mm) {
+            let (centre, half) = (part.centre, part.half_size() + self.slack);
             let span = |axis: usize, first: i64, last: i64| {
-                let (low, high) = (
-                    part.centre[axis] - half[axis],
-                    part.centre[axis] + half[axis],
-                );
-                let [low, high] = cells(low - self.slack, high + self.slack, pitch[axis]);
+                let low_high = [centre[axis] - half[axis], centre[axis] + half[axis]];
+                let [low, high] = cells(low_high[0], low_high[1], pitch[axis]);
                 low.max(first)..=high.min(last)
             };
-            let part_over_cells = PartOverCells::new(part, half_cell);
+            let part_over_cells = PartOverCells::new(&part, half_cell);
             for dj in span(1, j0, j1) {
                 for di in span(0, i0, i1) {
                     let cell = [di as f64 * pitch[0], dj as f64 * pitch[1]];
@@ -363,17 +344,16 @@ impl Binning<'_> {
                     }
                 }
             }
-        });
+        }
         for (k, range) in ranges.iter().enumerate() {
-            if range[0] <= range[1] {
+            let z0 = range[0].max(low.z) - self.slack;
+            let z1 = range[1].min(high.z) + self.slack;
+            if z0 <= z1 {
                 let (di, dj) = (i0 + (k % width) as i64, j0 + (k / width) as i64);
                 notes.push(Note {
                     cell: self.cell_in_band(rows, [own[0] + di, own[1] + dj]) as u32,
                     entry: CellEntry::new(-di as i32, -dj as i32, second, 0, 0),
-                    z: [
-                        (range[0] - self.slack) as f32,
-                        (range[1] + self.slack) as f32,
-                    ],
+                    z: [z0 as f32, z1 as f32],
                 });
             }
         }

@@ -5,17 +5,20 @@
     reason = "a test that cannot go on fails, and says where"
 )]
 
+mod chart;
 mod cli;
 mod designer;
 mod frames;
 mod geometry;
 mod gpu_vs_cpu;
+mod grid;
 mod layout;
 mod metrics;
 mod presets;
 mod probes;
 mod reference;
 mod sampling;
+mod sections;
 mod shaders;
 mod skeleton;
 mod turbulence;

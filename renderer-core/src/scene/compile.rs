@@ -32,7 +32,9 @@ use super::{
     Lights, LoopCounts, LoopShape, Loops, PileOptics, Scene, Section, SheetGeometry, Skeleton,
     Volumes,
 };
-use crate::design::{Back, Chart, Design, Fault, Length, Pile, PileKind, Turbulence, Weave};
+use crate::design::{
+    Back, Chart, Design, Fault, Filter, Length, Pile, PileKind, Turbulence, Weave,
+};
 
 /// Why a design has no scene.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -60,12 +62,23 @@ pub fn compile(design: &Design) -> Result<Scene, CompileError> {
         .map(|scene| Scene::clone(&scene))
 }
 
+/// A filter of this radius, in waves of the turbulence, still leaves a tenth of it.
+const MAX_FILTER_WAVES: f64 = 0.75;
+
 /// What a designer should know about a design and its scene, as sentences.
 pub fn warnings(design: &Design, scene: &Scene) -> Vec<String> {
     let mut warnings = design.warnings();
     let counts = scene.loops.counts;
     if counts.planted == 0 {
         warnings.push("no loops: the pattern, the chart and the loop length leave none".into());
+    }
+    let turbulence = &design.turbulence;
+    let pitch_mm = scene.sheet.pitch_x_mm.max(scene.sheet.pitch_y_mm);
+    let waves = turbulence.filter_radius * pitch_mm * turbulence.frequency;
+    if turbulence.filter != Filter::None && waves > MAX_FILTER_WAVES {
+        warnings.push(format!(
+            "the turbulence's filter reaches over {waves:.1} of its waves, more than {MAX_FILTER_WAVES}: little of it is left but at the cloth's edges"
+        ));
     }
     let mut tell = |count: u64, what: &str| {
         if count > 0 {

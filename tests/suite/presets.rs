@@ -1,7 +1,12 @@
 //! Preset files: what is written reads back equal; every fault is found, at its line and column; `--set` paths.
 
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
 use renderer_core::design::preset::{self, PresetFault};
 use renderer_core::design::*;
+use towel_designer::files;
 
 fn faults(text: &str) -> Vec<PresetFault> {
     preset::parse(text).expect_err("the preset has a fault")
@@ -113,7 +118,7 @@ fn each_fault_has_its_place_value_and_what_is_allowed() {
         ("[skeleton]\nvisible = 1", "3:11 skeleton.visible | skeleton.visible is 1, allowed is true or false"),
         ("[chart]\ncolour = '#12345'", "3:10 chart.colour | chart.colour is '#12345', allowed is \"#rrggbb\""),
         ("[chart]\nimage = 3", "3:9 chart.image | chart.image is 3, allowed is text in quotes"),
-        ("pile = 3", "2:8 pile | pile is 3, allowed is a table of base_width, "),
+        ("pile = 3", "2:8 pile | pile is 3, allowed is a table of kind, "),
         ("[turbulence]\nseed = 4294967296", "3:8 turbulence.seed | turbulence.seed is 4294967296, allowed is a whole number from 0 to 4294967295"),
         ("[turbulence]\nseed = -1", "3:8 turbulence.seed | turbulence.seed is -1, allowed is a whole number from 0 to 4294967295"),
         ("light.sun = [{ elevation = 5 }, { elevation = 91 }]", "2:47 light.sun[1].elevation | light.sun[1].elevation is 91, allowed is -90 to 90 °"),
@@ -126,8 +131,8 @@ fn each_fault_has_its_place_value_and_what_is_allowed() {
         ("[weave]\npattern = [\n  [7, 0],\n  [0, 5],\n]", "5:7 weave.pattern[1][1] | weave.pattern[1][1] is 5, allowed is 0 (weft over), 1 (warp over), 7 (loop on the front), 8 (loop on the back) or 9 (loops on both)"),
         ("[weave]\npattern = [[7, 0], [0]]", "3:11 weave.pattern | weave.pattern: row 1 of the pattern has 1 cells, but row 0 has 2"),
         ("[weave]\npattern = []", "3:11 weave.pattern | weave.pattern: the pattern has 0 rows of 0 cells, allowed are 1 to 512 of each"),
-        ("[weave]\npattern = 7", "3:11 weave.pattern | weave.pattern is 7, allowed is a list of elements"),
-        ("[weave]\nback='pattern'\npattern = '''\n7 0'''", "4:11 weave.pattern | weave.pattern is ''' …, allowed is a list of elements"),
+        ("[weave]\npattern = 7", "3:11 weave.pattern | weave.pattern is 7, allowed is a list of rows of equal length, each cell 0 (weft over), "),
+        ("[weave]\nback='pattern'\npattern = '''\n7 0'''", "4:11 weave.pattern | weave.pattern is ''' …, allowed is a list of rows of equal length, each cell 0 (weft over), "),
         // Both are in range, but not together; the fault stands where the field is written.
         ("[length]\nmax = 2\nmin = 3", "4:7 length.min | length.min is 3, allowed is at most length.max, 2"),
         ("[length]\nmin = 9", "3:7 length.min | length.min is 9, allowed is at most length.max, 3.5"),
@@ -163,10 +168,10 @@ fn columns_count_characters_not_bytes() {
 fn unknown_fields_are_refused_with_the_likely_name() {
     #[rustfmt::skip]
     let cases = [
-        ("[pile]\ntlit = 3", "3:1 pile.tlit | pile.tlit is not a field; did you mean pile.tilt? Fields of pile are base_width, "),
+        ("[pile]\ntlit = 3", "3:1 pile.tlit | pile.tlit is not a field; did you mean pile.tilt? Fields of pile are kind, "),
         ("[pile]\nseed = 3", "3:1 pile.seed | pile.seed is not a field; did you mean turbulence.seed? "),
         ("[pille]", "2:2 pille | pille is not a field; did you mean pile? Fields of a preset are sheet, weave, chart, "),
-        ("[weave]\nqqqqqq = 3", "3:1 weave.qqqqqq | weave.qqqqqq is not a field. Fields of weave are pattern, back"),
+        ("[weave]\nqqqqqq = 3", "3:1 weave.qqqqqq | weave.qqqqqq is not a field. Fields of weave are back, pattern"),
         ("[[light.sun]]\nheight = 3", "3:1 light.sun[0].height | light.sun[0].height is not a field; did you mean skeleton.height? "),
         ("[chart]\npixels = 3", "3:1 chart.pixels | chart.pixels is not a field"),
     ];
@@ -288,7 +293,7 @@ fn set_refuses_what_a_file_may_not_say() {
         ("pile.tilt", "nan", "pile.tilt is nan, allowed is 0 to 180 °"),
         ("pile.tilt", "", "pile.tilt is , allowed is 0 to 180 °"),
         ("pile.tlit", "3", "pile.tlit is not a field; did you mean pile.tilt?"),
-        ("pile", "3", "pile is a table, name one of its fields: base_width, "),
+        ("pile", "3", "pile is a table, name one of its fields: kind, "),
         ("sheet.warps", "3\nwefts = 2", "sheet.warps is 3 …, allowed is a whole number"),
         ("view.tone_map", "film", "view.tone_map is film, allowed is \"none\" or \"filmic\""),
         ("weave.pattern[0][1]", "5", "weave.pattern[0][1] is 5, allowed is 0 (weft over)"),
@@ -323,4 +328,216 @@ fn set_keeps_the_chart_unless_it_names_another() {
     assert_eq!(tilted.chart.pixels, design.chart.pixels);
     let other = preset::set(&design, "chart.image", "b.png").unwrap();
     assert_eq!(other.chart.pixels, None);
+}
+
+fn at_top(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(name)
+}
+
+#[test]
+fn every_shipped_preset_is_sound_and_round_trips() {
+    let mut count = 0;
+    for entry in fs::read_dir(at_top("presets")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|extension| extension != "toml") {
+            continue;
+        }
+        count += 1;
+        let design = files::load_design(&path).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(design.faults(), [], "{}", path.display());
+        assert_eq!(
+            design.chart.image.is_some(),
+            design.chart.pixels.is_some(),
+            "{}",
+            path.display()
+        );
+        let mut without_pixels = design.clone();
+        without_pixels.chart.pixels = None;
+        round_trip(&without_pixels);
+    }
+    assert!(count >= 6, "only {count} presets in presets/");
+}
+
+#[test]
+fn a_design_saved_elsewhere_finds_its_chart() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::create_dir_all(at("a/charts")).unwrap();
+    fs::create_dir_all(at("b/deep")).unwrap();
+    let chart = image::RgbaImage::from_pixel(3, 2, image::Rgba([9, 8, 7, 255]));
+    chart.save(at("a/charts/c.png")).unwrap();
+    fs::write(at("a/one.toml"), "format = 1\nchart.image = 'charts/c.png'").unwrap();
+
+    let one = files::load_design(&at("a/one.toml")).unwrap();
+    let pixels = one.chart.pixels.clone().unwrap();
+    assert_eq!((pixels.width(), pixels.height()), (3, 2));
+    assert_eq!(pixels.pixel(2, 1), [9, 8, 7, 255]);
+    for (place, expected) in [
+        ("a/two.toml", "charts/c.png"),
+        ("b/deep/two.toml", "../../a/charts/c.png"),
+        ("a/charts/two.toml", "c.png"),
+    ] {
+        let saved = files::save_design(&one, &at(place), Some(&at("a/one.toml"))).unwrap();
+        assert_eq!(saved.chart.image.as_deref(), Some(expected));
+        assert_eq!(files::load_design(&at(place)).unwrap(), saved);
+    }
+    // A chart just opened is named by its whole path until the design is saved.
+    let mut new = Design::default();
+    new.chart.image = Some(at("a/charts/c.png").to_str().unwrap().into());
+    new.chart.pixels = Some(pixels);
+    let saved = files::save_design(&new, &at("b/new.toml"), None).unwrap();
+    assert_eq!(saved.chart.image.as_deref(), Some("../a/charts/c.png"));
+    assert_eq!(files::load_design(&at("b/new.toml")).unwrap(), saved);
+}
+
+#[test]
+fn saving_replaces_the_file_whole_or_not_at_all() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let path = folder.path().join("a.toml");
+    fs::write(&path, "old").unwrap();
+    let names = || fs::read_dir(folder.path()).unwrap().count();
+    let failing = files::write_atomically_with(&path, |file| {
+        file.write_all(b"half of the new")?;
+        Err(std::io::Error::other("the disk is full"))
+    });
+    let message = failing.unwrap_err().to_string();
+    assert!(
+        message.ends_with("a.toml: cannot be written: the disk is full"),
+        "{message}"
+    );
+    assert_eq!(
+        (fs::read(&path).unwrap().as_slice(), names()),
+        (&b"old"[..], 1)
+    );
+    files::save_design(&Design::default(), &path, None).unwrap();
+    assert_eq!(
+        (files::load_design(&path).unwrap(), names()),
+        (Design::default(), 1)
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn saving_keeps_links_and_permissions() {
+    use std::os::unix::fs::{PermissionsExt, symlink};
+    let folder = tempfile::TempDir::new().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("real.toml"), "old").unwrap();
+    fs::set_permissions(at("real.toml"), fs::Permissions::from_mode(0o640)).unwrap();
+    symlink("real.toml", at("link.toml")).unwrap();
+    files::save_design(&Design::default(), &at("link.toml"), None).unwrap();
+    assert!(fs::symlink_metadata(at("link.toml")).unwrap().is_symlink());
+    assert!(
+        fs::read(at("real.toml"))
+            .unwrap()
+            .starts_with(b"# Towel Designer")
+    );
+    let mode = fs::metadata(at("real.toml")).unwrap().permissions().mode();
+    assert_eq!(mode & 0o777, 0o640);
+}
+
+#[test]
+fn readme_lists_every_field_as_the_code_has_it() {
+    const BEGIN: &str = "<!-- preset reference: begin -->\n";
+    const END: &str = "<!-- preset reference: end -->\n";
+    let path = at_top("README.md");
+    let readme = fs::read_to_string(&path).unwrap();
+    let (before, rest) = readme.split_once(BEGIN).unwrap();
+    let (found, after) = rest.split_once(END).unwrap();
+    let expected = reference();
+    if found != expected && std::env::var_os("UPDATE_SNAPSHOTS").is_some() {
+        fs::write(&path, format!("{before}{BEGIN}{expected}{END}{after}")).unwrap();
+        return;
+    }
+    assert!(
+        found == expected,
+        "README.md's preset reference is not what the code says; write it anew with UPDATE_SNAPSHOTS=true"
+    );
+}
+
+/// The preset reference in Markdown: a table for each section.
+fn reference() -> String {
+    // A design in which every list has an element to take defaults from.
+    let mut design = Design::default();
+    design.length.table.push(LengthEntry::default());
+    let defaults = toml::Table::try_from(&design).unwrap();
+    let Shape::Table(sections) = Design::shape() else {
+        panic!("a design is a table");
+    };
+    let mut text = String::from(
+        "\nA preset begins with `format = 1`. Every field may be left out and then has its default; lengths are in mm, angles\nin degrees, colours `\"#rrggbb\"` (sRGB). `--set` names fields by the same paths, as in `--set light.sun[0].elevation=30`.\n",
+    );
+    for section in &sections {
+        let Shape::Table(fields) = &section.shape else {
+            panic!("{} is a table", section.name);
+        };
+        let heading = format!("[{}]", section.name);
+        let values = defaults[section.name].as_table().unwrap();
+        reference_table(
+            &mut text,
+            &heading,
+            section.name,
+            section.what,
+            fields,
+            values,
+        );
+    }
+    text + "\n"
+}
+
+fn reference_table(
+    text: &mut String,
+    heading: &str,
+    path: &str,
+    what: &str,
+    fields: &[Entry],
+    values: &toml::Table,
+) {
+    let _ = write!(
+        text,
+        "\n### `{heading}`\n\n{what}\n\n| field | default | allowed | unit | meaning |\n| --- | --- | --- | --- | --- |\n"
+    );
+    let mut tables = Vec::new();
+    for field in fields {
+        let path = format!("{path}.{}", field.name);
+        match (&field.shape, values.get(field.name)) {
+            (Shape::Table(fields), Some(toml::Value::Table(values))) => {
+                tables.push((format!("[{path}]"), path, field.what, fields, values));
+                continue;
+            }
+            (Shape::List { of, .. }, Some(toml::Value::Array(elements))) => {
+                if let (Shape::Table(fields), Some(toml::Value::Table(values))) =
+                    (&**of, elements.first())
+                {
+                    tables.push((format!("[[{path}]]"), path, field.what, fields, values));
+                    continue;
+                }
+            }
+            _ => {}
+        }
+        let (allowed, unit) = match &field.shape {
+            Shape::Number(number) => {
+                let whole = if number.integer { "whole, " } else { "" };
+                let unit = if number.unit.is_empty() {
+                    "–"
+                } else {
+                    number.unit
+                };
+                (format!("{whole}{} to {}", number.min, number.max), unit)
+            }
+            shape => (shape.allowed(), "–"),
+        };
+        let default = match values.get(field.name) {
+            Some(value) => format!("`{value}`"),
+            None => "left out".into(),
+        };
+        let _ = writeln!(
+            text,
+            "| `{}` | {default} | {allowed} | {unit} | {} |",
+            field.name, field.what
+        );
+    }
+    for (heading, path, what, fields, values) in tables {
+        reference_table(text, &heading, &path, what, fields, values);
+    }
 }

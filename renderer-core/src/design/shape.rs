@@ -56,10 +56,20 @@ pub trait Shaped {
 }
 
 impl Shape {
-    /// A table of the entries that are part of a file.
+    /// A table of the entries that are part of a file, in the order they are best read: choices first, as they decide
+    /// which numbers matter, then numbers, then what may be left out, then lists.
     pub(crate) fn table(entries: Vec<Entry>) -> Self {
-        let in_file = |entry: &Entry| entry.shape != Self::Hidden;
-        Self::Table(entries.into_iter().filter(in_file).collect())
+        let rank = |entry: &Entry| match &entry.shape {
+            Self::Number(_) | Self::Real => 1,
+            Self::Optional(of) if **of == Self::Text => 0,
+            Self::Optional(_) => 2,
+            Self::List { length: None, .. } => 3,
+            _ => 0,
+        };
+        let mut entries = entries;
+        entries.retain(|entry| entry.shape != Self::Hidden);
+        entries.sort_by_key(rank);
+        Self::Table(entries)
     }
 
     /// What is allowed, as a sentence fragment.
@@ -82,11 +92,7 @@ impl Shape {
             Self::Stitch => ALLOWED_STITCHES.into(),
             Self::List { of, length } => {
                 let count = length.map_or_else(String::new, |n| format!("{n} "));
-                match **of {
-                    Self::Table(_) => format!("a list of {count}tables"),
-                    Self::Real => format!("a list of {count}numbers"),
-                    _ => format!("a list of {count}elements, each {}", of.allowed()),
-                }
+                format!("a list of {count}{}", of.plural())
             }
             Self::Table(entries) => {
                 let names: Vec<&str> = entries.iter().map(|entry| entry.name).collect();
@@ -94,6 +100,22 @@ impl Shape {
             }
             Self::Optional(of) => of.allowed(),
             Self::Hidden => "nothing".into(),
+        }
+    }
+
+    /// Several of what is allowed.
+    fn plural(&self) -> String {
+        match self {
+            Self::Real => "numbers".into(),
+            Self::Table(_) => "tables".into(),
+            Self::List { of, length } => {
+                let count = length.map_or_else(String::new, |n| format!("{n} "));
+                match **of {
+                    Self::Stitch => format!("rows of equal length, each cell {}", of.allowed()),
+                    _ => format!("lists of {count}{}", of.plural()),
+                }
+            }
+            other => format!("elements, each {}", other.allowed()),
         }
     }
 }

@@ -34,7 +34,7 @@ pub fn write(design: &Design) -> Result<String, toml::ser::Error> {
 /// The fields of one table, those that are tables themselves behind the others.
 fn fields(text: &mut String, path: &str, entries: &[Entry], values: &Table, comments: bool) {
     let mut lines = Vec::new();
-    for entry in in_reading_order(entries) {
+    for entry in entries {
         match values.get(entry.name) {
             None => lines.push(Line::left_out(entry)),
             Some(value) if is_table(&entry.shape, value) => {}
@@ -100,20 +100,6 @@ fn is_table(shape: &Shape, value: &Value) -> bool {
         }
         _ => false,
     }
-}
-
-/// Choices first (they decide which numbers matter), then numbers, then what may be left out, then lists.
-fn in_reading_order(entries: &[Entry]) -> Vec<&Entry> {
-    let rank = |entry: &&Entry| match &entry.shape {
-        Shape::Number(_) | Shape::Real => 1,
-        Shape::Optional(of) if **of == Shape::Text => 0,
-        Shape::Optional(_) => 2,
-        Shape::List { length: None, .. } => 3,
-        _ => 0,
-    };
-    let mut ordered: Vec<&Entry> = entries.iter().collect();
-    ordered.sort_by_key(rank);
-    ordered
 }
 
 /// One line of a table before it is aligned.

@@ -13,7 +13,7 @@
 //! | skeleton |       | ×     |                          |                       |            | ×            |       |
 //! | lights   |       |       |                          |                       |            |              | ×     |
 //!
-//! View and quality belong to requests; no section depends on them. Sections that are cheap are made anew and kept when
+//! View and quality belong to requests; of them only `quality.bounces` matters here, to the looks' albedos. Sections that are cheap are made anew and kept when
 //! equal; loops, looks and volumes have their inputs compared.
 
 use std::sync::Arc;
@@ -127,6 +127,8 @@ struct LooksInputs {
     chart: Chart,
     length: Length,
     pile: Pile,
+    /// How much of the light comes back depends on it: see `albedo`.
+    bounces: u32,
     seed: u32,
 }
 
@@ -182,6 +184,7 @@ impl Compiler {
             chart: design.chart.clone(),
             length: design.length.clone(),
             pile: design.pile.clone(),
+            bounces: design.quality.bounces,
             seed: design.turbulence.seed,
         };
         let same_looks =

@@ -79,7 +79,7 @@ pub(super) fn looks(
 ) -> Vec<LoopLook> {
     let chart = ChartOnSheet::new(&design.chart, sheet.warps, sheet.wefts);
     let rule = LengthRule::new(&design.length);
-    let table = AlbedoTable::new(&design.pile);
+    let table = AlbedoTable::new(design.quality.bounces, design.pile.max_albedo);
     let of_colour = |colour: [u8; 3]| -> ([u16; 3], u8) {
         let row = rule.row(colour);
         let scale = row.map_or(1.0, |row| design.length.table[row].albedo_scale);

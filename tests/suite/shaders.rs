@@ -1,1 +1,146 @@
-//! shaders
+//! Every shader program parses and validates, for every combination of features that a scene can ask for, and errors
+//! are told by file and line.
+
+use naga::back::pipeline_constants::process_overrides;
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use renderer_core::design::{Method, Phase, SkeletonHeight};
+use renderer_core::gpu::needs::SceneNeeds;
+use renderer_core::gpu::shaders::{Composed, ERROR, Part, RESOLVE, TRACE};
+
+/// The portable core: nothing that a WebGPU device may lack.
+fn validator() -> Validator {
+    Validator::new(ValidationFlags::all(), Capabilities::empty())
+}
+
+/// Parses a program, or says where it is wrong.
+fn parse(parts: &[Part]) -> naga::Module {
+    let composed = Composed::new(parts);
+    naga::front::wgsl::parse_str(&composed.text).unwrap_or_else(|error| {
+        let line = error
+            .location(&composed.text)
+            .map_or(0, |location| location.line_number);
+        let (file, line) = composed.place(line);
+        panic!(
+            "shaders/{file}:{line}: {}",
+            error.emit_to_string(&composed.text)
+        )
+    })
+}
+
+/// Specialises and validates one entry point.
+fn specialise(module: &naga::Module, entry: &str, constants: &[(&str, f64)]) {
+    let info = validator().validate(module).expect("the program is valid");
+    let constants = constants
+        .iter()
+        .map(|&(name, value)| (name.to_owned(), value))
+        .collect();
+    let stage = Some((naga::ShaderStage::Compute, entry));
+    let (module, _) = process_overrides(module, &info, stage, &constants)
+        .unwrap_or_else(|error| panic!("{entry} {constants:?}: {error}"));
+    validator()
+        .validate(&module)
+        .unwrap_or_else(|error| panic!("{entry} {constants:?}: {error:?}"));
+}
+
+fn all_needs() -> Vec<SceneNeeds> {
+    let mut all = Vec::new();
+    let skeletons = [
+        None,
+        Some(SkeletonHeight::Winding),
+        Some(SkeletonHeight::Paper),
+    ];
+    for &method in Method::ALL {
+        for &phase in Phase::ALL {
+            for skeleton in skeletons {
+                for flags in 0..1 << 7 {
+                    let on = |bit: u32| flags >> bit & 1 == 1;
+                    all.push(SceneNeeds {
+                        method,
+                        phase,
+                        skeleton,
+                        long_paths: on(0),
+                        linear_layers: on(1),
+                        layers: if on(1) { 16 } else { 5 },
+                        root_blend: on(2),
+                        suns: if on(3) { 8 } else { 0 },
+                        environment: on(4),
+                        aov: on(5),
+                        counters: on(6),
+                        filter_f32: on(6),
+                    });
+                }
+            }
+        }
+    }
+    all
+}
+
+#[test]
+fn the_tracing_program_is_valid_for_every_combination_of_needs() {
+    let module = parse(TRACE);
+    // Every method, phase and skeleton with every seventh set of flags: all pairs of features meet many times,
+    // and the test stays within seconds.
+    for (index, needs) in all_needs().iter().enumerate() {
+        if index % 7 == 0 {
+            specialise(&module, "trace_main", &needs.constants());
+        }
+    }
+}
+
+#[test]
+fn every_need_is_an_override_of_the_program_and_every_override_is_set() {
+    let module = parse(TRACE);
+    let mut declared: Vec<&str> = module
+        .overrides
+        .iter()
+        .filter_map(|(_, value)| value.name.as_deref())
+        .collect();
+    let constants = all_needs()[0].constants();
+    let mut set: Vec<&str> = constants.iter().map(|&(name, _)| name).collect();
+    declared.sort_unstable();
+    set.sort_unstable();
+    assert_eq!(declared, set);
+}
+
+#[test]
+fn the_small_programs_are_valid() {
+    for aov in [0.0, 1.0] {
+        let constants = [("AOV", aov)];
+        let resolve = parse(RESOLVE);
+        specialise(&resolve, "resolve_display", &constants);
+        specialise(&resolve, "resolve_linear", &constants);
+        specialise(&parse(ERROR), "error_main", &constants);
+    }
+}
+
+#[test]
+fn entry_points_stand_in_the_files_that_say_so() {
+    for parts in [TRACE, RESOLVE, ERROR] {
+        for (name, text) in parts {
+            let says = text.starts_with("// ENTRY ");
+            assert_eq!(says, text.contains("@compute"), "shaders/{name}");
+        }
+    }
+}
+
+#[test]
+fn lines_of_a_program_are_told_by_file() {
+    let parts: [Part; 3] = [
+        ("first.wgsl", "const A: u32 = 1u;\nconst B: u32 = 2u;\n"),
+        (
+            "second.wgsl",
+            "const C: u32 = A;\n\nconst D: u32 = nowhere;",
+        ),
+        ("third.wgsl", "const E: u32 = 3u;\n"),
+    ];
+    let composed = Composed::new(&parts);
+    let error = naga::front::wgsl::parse_str(&composed.text).expect_err("nowhere is unknown");
+    let line = error
+        .location(&composed.text)
+        .expect("errors have places")
+        .line_number;
+    assert_eq!(composed.place(line), ("second.wgsl", 3));
+    assert_eq!(composed.place(1), ("first.wgsl", 1));
+    assert_eq!(composed.place(3), ("second.wgsl", 1));
+    assert_eq!(composed.place(6), ("third.wgsl", 1));
+}

@@ -1,0 +1,176 @@
+//! The sums of a picture on the device: several buffers where one would be larger than can be bound.
+
+use std::ops::Range;
+
+use glam::DVec2;
+
+use crate::render::{RenderError, RenderRequest};
+
+use super::GpuContext;
+use super::layout::{COUNTERS_IN_ALL, RayTile, SUMS, SUMS_WITH_AOV, Slice, TILE, TILE_PIXELS};
+use super::upload::z_range_mm;
+
+/// Sums of consecutive tiles.
+#[derive(Debug)]
+pub struct SumBuffer {
+    /// The buffer.
+    pub buffer: wgpu::Buffer,
+    /// The tiles whose sums it holds.
+    pub tiles: Range<u32>,
+}
+
+/// The sums of one picture and the rays of its tiles.
+#[derive(Debug)]
+pub struct Accumulation {
+    /// Width and height of the picture that is made (the crop), pixels.
+    pub size: [u32; 2],
+    /// Tiles along x and y.
+    pub tiles: [u32; 2],
+    /// Sums, in the order of tiles.
+    pub sums: Vec<SumBuffer>,
+    /// Ray bases of all tiles.
+    pub rays: wgpu::Buffer,
+    /// Counters.
+    pub totals: wgpu::Buffer,
+}
+
+impl Accumulation {
+    /// Makes room for the picture of `request`, all zeros.
+    ///
+    /// # Errors
+    /// When there is no room.
+    pub fn new(context: &GpuContext, request: &RenderRequest) -> Result<Self, RenderError> {
+        let [_, _, width, height] = request.crop;
+        let tiles = [width.div_ceil(TILE), height.div_ceil(TILE)];
+        let count = tiles[0] * tiles[1];
+        let rays = ray_tiles(request, tiles);
+        let ray_bytes: &[u8] = bytemuck::cast_slice(&rays);
+        let limit = context.largest_binding();
+        context.check(
+            "the bytes of the picture's ray bases",
+            ray_bytes.len() as u64,
+            limit,
+        )?;
+        let per_pixel = if request.settings.aov {
+            SUMS_WITH_AOV
+        } else {
+            SUMS
+        };
+        let tile_bytes = u64::from(TILE_PIXELS * per_pixel) * 16;
+        let tiles_in_buffer = (limit / tile_bytes).clamp(1, u64::from(count)) as u32;
+        context.guarded(|| {
+            let buffer = |label, size, usage| {
+                context.device.create_buffer(&wgpu::BufferDescriptor {
+                    label: Some(label),
+                    size,
+                    usage,
+                    mapped_at_creation: false,
+                })
+            };
+            let storage = wgpu::BufferUsages::STORAGE;
+            let sums = (0..count)
+                .step_by(tiles_in_buffer as usize)
+                .map(|first| {
+                    let tiles = first..(first + tiles_in_buffer).min(count);
+                    // New buffers are zero.
+                    SumBuffer {
+                        buffer: buffer("sums", tiles.len() as u64 * tile_bytes, storage),
+                        tiles,
+                    }
+                })
+                .collect();
+            let rays = buffer(
+                "ray tiles",
+                ray_bytes.len() as u64,
+                storage | wgpu::BufferUsages::COPY_DST,
+            );
+            context.queue.write_buffer(&rays, 0, ray_bytes);
+            Self {
+                size: [width, height],
+                tiles,
+                sums,
+                rays,
+                totals: buffer(
+                    "counters",
+                    u64::from(COUNTERS_IN_ALL) * 8,
+                    storage | wgpu::BufferUsages::COPY_SRC,
+                ),
+            }
+        })
+    }
+
+    /// How many tiles there are.
+    pub fn tile_count(&self) -> u32 {
+        self.tiles[0] * self.tiles[1]
+    }
+
+    /// The buffer that holds the sums of a tile.
+    pub fn buffer_of(&self, tile: u32) -> &SumBuffer {
+        let index = self.sums.partition_point(|sums| sums.tiles.end <= tile);
+        &self.sums[index.min(self.sums.len() - 1)]
+    }
+
+    /// Bytes on the device.
+    pub fn bytes(&self) -> u64 {
+        let sums: u64 = self.sums.iter().map(|sums| sums.buffer.size()).sum();
+        sums + self.rays.size() + self.totals.size()
+    }
+
+    /// What is the same in every slice of this picture, for tiles of one buffer.
+    pub fn slice(&self, request: &RenderRequest, buffer: &SumBuffer, tiles: Range<u32>) -> Slice {
+        let [x, y, _, _] = request.crop;
+        Slice {
+            size: self.size,
+            corner: [x, y],
+            tiles_across: self.tiles[0],
+            buffer_first_tile: buffer.tiles.start,
+            first_tile: tiles.start,
+            end_tile: tiles.end,
+            first_sample: 0,
+            end_sample: 0,
+            stride: 0,
+            pixels_per_tile: TILE_PIXELS,
+            seed: request.settings.seed,
+            bounces: request.settings.bounces,
+            split_tile: 0,
+            samples_before: 0,
+            samples_after: 0,
+            lattice_before: 0,
+            lattice_after: 0,
+            tone_map: 0,
+            exposure_scale: 1.0,
+            unused: 0.0,
+        }
+    }
+}
+
+/// Ray bases of all tiles; a tile's reference point is its centre.
+fn ray_tiles(request: &RenderRequest, [across, down]: [u32; 2]) -> Vec<RayTile> {
+    let scene = &request.scene;
+    let z_range = z_range_mm(scene);
+    let [margin_x, margin_y] = scene.loops.margin.map(f64::from);
+    let margin_mm = (margin_x * scene.sheet.pitch_x_mm).max(margin_y * scene.sheet.pitch_y_mm);
+    let [x, y, _, _] = request.crop.map(f64::from);
+    let side = f64::from(TILE);
+    (0..across * down)
+        .map(|tile| {
+            let column = f64::from(tile % across) + 0.5;
+            let row = f64::from(tile / across) + 0.5;
+            let centre = DVec2::new(x + column * side, y + row * side);
+            let rays =
+                request
+                    .camera
+                    .ray_tile(centre, request.size, &scene.sheet, z_range, margin_mm);
+            let vector = |v: glam::DVec3, w: f64| [v.x as f32, v.y as f32, v.z as f32, w as f32];
+            RayTile {
+                cell: [rays.cell[0], rays.cell[1], 0, 0],
+                origin: vector(rays.origin, rays.depth_offset),
+                origin_dx: vector(rays.origin_dx, 0.0),
+                origin_dy: vector(rays.origin_dy, 0.0),
+                direction: vector(rays.direction, 0.0),
+                direction_dx: vector(rays.direction_dx, 0.0),
+                direction_dy: vector(rays.direction_dy, 0.0),
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,361 @@
+//! The GPU as a [`Backend`]: requests in, samples, pictures and a display texture out.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use crate::design::ToneMap;
+use crate::image::Picture;
+use crate::render::{
+    Backend, BackendKind, Counters, MAX_SIDE, Progress, RenderError, RenderRequest,
+};
+
+use super::GpuContext;
+use super::accumulation::Accumulation;
+use super::layout::{TONE_FILMIC, TONE_NONE};
+use super::needs::SceneNeeds;
+use super::pipelines::{Pipelines, binding};
+use super::readback::{self, dispatch, entry, slice_buffer};
+use super::schedule::{Job, Pace, Schedule};
+use super::upload::SceneBuffers;
+
+/// Longest dispatch to aim for: what shares the device with us, a desktop perhaps, waits no longer.
+const LONGEST_DISPATCH: Duration = Duration::from_millis(100);
+/// Fewest samples at which an error target can end a picture: the spread of four means of fewer tells little.
+const FEWEST_FOR_ERROR: u32 = 16;
+
+/// How the mean is displayed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Display {
+    /// Brightness, stops.
+    pub exposure: f64,
+    /// From linear light to a displayed colour.
+    pub tone_map: ToneMap,
+}
+
+/// Draws on a GPU.
+#[derive(Debug)]
+pub struct GpuBackend {
+    context: GpuContext,
+    pipelines: Pipelines,
+    scene: Option<SceneBuffers>,
+    work: Option<Work>,
+    pace: Pace,
+    display: Option<wgpu::Texture>,
+    filter_f32: bool,
+}
+
+/// A picture in the making.
+#[derive(Debug)]
+struct Work {
+    request: RenderRequest,
+    needs: SceneNeeds,
+    accumulation: Accumulation,
+    schedule: Schedule,
+    error_estimate: Option<f64>,
+}
+
+impl GpuBackend {
+    /// Reads the shaders.
+    ///
+    /// # Errors
+    /// When the device refuses them.
+    pub fn new(context: GpuContext) -> Result<Self, RenderError> {
+        let pipelines = Pipelines::new(&context)?;
+        Ok(Self {
+            context,
+            pipelines,
+            scene: None,
+            work: None,
+            pace: Pace::default(),
+            display: None,
+            filter_f32: false,
+        })
+    }
+
+    /// The device it draws on.
+    pub fn context(&self) -> &GpuContext {
+        &self.context
+    }
+
+    /// Filters voxels in full f32 precision by hand, several times slower than the device's sampler with its 8-bit
+    /// weights: for comparing pictures to the last digits. Takes effect at the next new request.
+    pub fn set_filter_f32(&mut self, on: bool) {
+        self.filter_f32 = on;
+        self.work = None;
+    }
+
+    /// Resolves the mean so far into a texture of the crop's size, sRGB-encoded values in rgba8unorm as egui wants
+    /// them, and returns it. It is the same texture as before unless the size changed. `None` before any request.
+    ///
+    /// # Errors
+    /// When the device fails, or the picture is larger than a texture can be.
+    pub fn show(&mut self, display: Display) -> Result<Option<&wgpu::Texture>, RenderError> {
+        let Some(work) = &self.work else {
+            return Ok(None);
+        };
+        let [width, height] = work.accumulation.size;
+        self.context.check(
+            "the larger side of the picture shown",
+            width.max(height).into(),
+            self.context.limits.max_texture_dimension_2d.into(),
+        )?;
+        let fits = |texture: &wgpu::Texture| [texture.width(), texture.height()] == [width, height];
+        let context = &self.context;
+        let texture = match self.display.take().filter(fits) {
+            Some(texture) => texture,
+            None => context.guarded(|| {
+                context.device.create_texture(&wgpu::TextureDescriptor {
+                    label: Some("display"),
+                    size: wgpu::Extent3d {
+                        width,
+                        height,
+                        depth_or_array_layers: 1,
+                    },
+                    mip_level_count: 1,
+                    sample_count: 1,
+                    dimension: wgpu::TextureDimension::D2,
+                    format: wgpu::TextureFormat::Rgba8Unorm,
+                    usage: wgpu::TextureUsages::STORAGE_BINDING
+                        | wgpu::TextureUsages::TEXTURE_BINDING
+                        | wgpu::TextureUsages::COPY_SRC,
+                    view_formats: &[],
+                })
+            })?,
+        };
+        let made = self.pipelines.display(context, work.request.settings.aov)?;
+        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        for buffer in &work.accumulation.sums {
+            // Pictures that fit a texture have few enough tiles for a dispatch, but for whole-device ones.
+            let at_a_time = context.limits.max_compute_workgroups_per_dimension / 4;
+            for first in buffer.tiles.clone().step_by(at_a_time.max(1) as usize) {
+                let tiles = first..first.saturating_add(at_a_time).min(buffer.tiles.end);
+                context.guarded(|| {
+                    let workgroups = tiles.len() as u32 * 4;
+                    let mut slice = work.accumulation.slice(&work.request, buffer, tiles);
+                    readback::show(&mut slice, work.schedule.drawn());
+                    slice.exposure_scale = display.exposure.exp2() as f32;
+                    slice.tone_map = match display.tone_map {
+                        ToneMap::None => TONE_NONE,
+                        ToneMap::Filmic => TONE_FILMIC,
+                    };
+                    let slice = slice_buffer(context, &slice);
+                    let mut encoder = context.encoder();
+                    let entries = [
+                        entry(binding::SUMS, &buffer.buffer),
+                        entry(binding::SLICE, &slice),
+                        wgpu::BindGroupEntry {
+                            binding: binding::DISPLAY,
+                            resource: wgpu::BindingResource::TextureView(&view),
+                        },
+                    ];
+                    dispatch(context, &mut encoder, made, &entries, workgroups);
+                    context.queue.submit([encoder.finish()]);
+                })?;
+            }
+        }
+        Ok(Some(self.display.insert(texture)))
+    }
+}
+
+impl Work {
+    /// True if `request` is the same picture, so that only targets differ.
+    fn is_same_picture(&self, request: &RenderRequest) -> bool {
+        let mut same = request.clone();
+        same.settings.samples = self.request.settings.samples;
+        same.settings.error = self.request.settings.error;
+        same == self.request && self.schedule.samples() <= request.settings.samples
+    }
+
+    fn is_done(&self) -> bool {
+        let settings = &self.request.settings;
+        let samples = self.schedule.samples();
+        if !self.schedule.is_between_passes() {
+            return false;
+        }
+        let precise = self
+            .error_estimate
+            .is_some_and(|error| settings.error > 0.0 && error <= settings.error);
+        samples >= settings.samples
+            || (precise && samples.is_power_of_two() && samples >= FEWEST_FOR_ERROR)
+    }
+
+    fn progress(&self) -> Progress {
+        Progress {
+            samples: self.schedule.samples(),
+            error_estimate: self.error_estimate,
+            done: self.is_done(),
+        }
+    }
+
+    /// Draws one slice and waits for it.
+    fn draw(
+        &mut self,
+        context: &GpuContext,
+        pipelines: &mut Pipelines,
+        scene: &SceneBuffers,
+        job: &Job,
+    ) -> Result<(), RenderError> {
+        let buffer = self.accumulation.buffer_of(job.tiles.start);
+        let mut slice = self
+            .accumulation
+            .slice(&self.request, buffer, job.tiles.clone());
+        slice.first_sample = job.samples.start;
+        slice.end_sample = job.samples.end;
+        slice.stride = job.stride;
+        slice.pixels_per_tile = job.pixels_per_tile();
+        let (pipeline, layout) = pipelines.trace(context, self.needs)?;
+        let encoder = context.guarded(|| {
+            let slice = slice_buffer(context, &slice);
+            let group = context
+                .device
+                .create_bind_group(&wgpu::BindGroupDescriptor {
+                    label: Some("slice"),
+                    layout,
+                    entries: &[
+                        entry(binding::RAY_TILES, &self.accumulation.rays),
+                        entry(binding::SUMS, &buffer.buffer),
+                        entry(binding::SLICE, &slice),
+                        entry(binding::TOTALS, &self.accumulation.totals),
+                    ],
+                });
+            let mut encoder = context.encoder();
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, &scene.group, &[]);
+            pass.set_bind_group(1, &group, &[]);
+            pass.dispatch_workgroups(job.workgroups(), 1, 1);
+            drop(pass);
+            encoder
+        })?;
+        context.submit_and_wait(encoder)?;
+        self.schedule.finish(job);
+        Ok(())
+    }
+}
+
+impl Backend for GpuBackend {
+    fn kind(&self) -> BackendKind {
+        BackendKind::Gpu
+    }
+
+    fn device_name(&self) -> String {
+        self.context.info.name.clone()
+    }
+
+    fn begin(&mut self, request: &RenderRequest) -> Result<(), RenderError> {
+        if let Some(work) = &mut self.work
+            && work.is_same_picture(request)
+        {
+            work.request.settings = request.settings;
+            return Ok(());
+        }
+        check_size(request)?;
+        self.work = None;
+        let old = self.scene.take();
+        let scene = SceneBuffers::new(&self.context, &self.pipelines, &request.scene, old)?;
+        self.scene = Some(scene);
+        let accumulation = Accumulation::new(&self.context, request)?;
+        self.work = Some(Work {
+            request: request.clone(),
+            needs: SceneNeeds::new(&request.scene, &request.settings, self.filter_f32),
+            schedule: Schedule::new(accumulation.tile_count()),
+            accumulation,
+            error_estimate: None,
+        });
+        Ok(())
+    }
+
+    fn advance(&mut self, slice: Duration, cancel: &AtomicBool) -> Result<Progress, RenderError> {
+        let (Some(work), Some(scene)) = (&mut self.work, &self.scene) else {
+            return Ok(Progress {
+                done: true,
+                ..Progress::default()
+            });
+        };
+        let start = Instant::now();
+        while !work.is_done() && !cancel.load(Ordering::Relaxed) {
+            let left = slice.saturating_sub(start.elapsed());
+            let paths = self.pace.paths_in(left.min(LONGEST_DISPATCH));
+            let accumulation = &work.accumulation;
+            let buffer_end = |tile| accumulation.buffer_of(tile).tiles.end;
+            let job = work
+                .schedule
+                .next(paths, work.request.settings.samples, buffer_end);
+            let begun = Instant::now();
+            work.draw(&self.context, &mut self.pipelines, scene, &job)?;
+            self.pace.learn(job.paths(), begun.elapsed());
+            let samples = work.schedule.samples();
+            if work.schedule.is_between_passes() && samples > 0 && samples.is_multiple_of(4) {
+                work.error_estimate = Some(readback::error_estimate(
+                    &self.context,
+                    &mut self.pipelines,
+                    &work.accumulation,
+                    &work.request,
+                    samples,
+                )?);
+            }
+            if start.elapsed() >= slice {
+                break;
+            }
+        }
+        Ok(work.progress())
+    }
+
+    fn picture(&mut self) -> Result<Picture, RenderError> {
+        match &self.work {
+            None => Ok(Picture::default()),
+            Some(work) => readback::picture(
+                &self.context,
+                &mut self.pipelines,
+                &work.accumulation,
+                &work.request,
+                work.schedule.drawn(),
+            ),
+        }
+    }
+
+    fn counters(&mut self) -> Result<Counters, RenderError> {
+        match &self.work {
+            Some(work) if work.request.settings.counters => {
+                readback::counters(&self.context, &work.accumulation)
+            }
+            _ => Ok(Counters::default()),
+        }
+    }
+
+    fn device_bytes(&self) -> u64 {
+        let scene = self.scene.as_ref().map_or(0, SceneBuffers::bytes);
+        let work = self
+            .work
+            .as_ref()
+            .map_or(0, |work| work.accumulation.bytes());
+        let display = self.display.as_ref().map_or(0, |texture| {
+            u64::from(texture.width()) * u64::from(texture.height()) * 4
+        });
+        scene + work + display
+    }
+}
+
+/// Whether a picture of this size with this crop can be made.
+fn check_size(request: &RenderRequest) -> Result<(), RenderError> {
+    let [width, height] = request.size;
+    if request
+        .size
+        .iter()
+        .any(|side| !(1..=MAX_SIDE).contains(side))
+    {
+        return Err(RenderError::Size(format!(
+            "size is {width}x{height}, but both sides must be from 1 to {MAX_SIDE} pixels"
+        )));
+    }
+    let [x, y, crop_width, crop_height] = request.crop;
+    let fits = |start: u32, length: u32, side: u32| {
+        length > 0 && start.checked_add(length).is_some_and(|end| end <= side)
+    };
+    if fits(x, crop_width, width) && fits(y, crop_height, height) {
+        return Ok(());
+    }
+    Err(RenderError::Size(format!(
+        "crop is {x},{y},{crop_width},{crop_height}, but it must have at least one pixel and lie inside {width}x{height}"
+    )))
+}

@@ -1,0 +1,169 @@
+//! The device that computes: our own without a window, or the one a window already has.
+
+use std::sync::Arc;
+
+use crate::render::RenderError;
+
+/// Device, queue and what is known of their adapter. Clones share them.
+#[derive(Debug, Clone)]
+pub struct GpuContext {
+    /// The device.
+    pub device: wgpu::Device,
+    /// Its queue.
+    pub queue: wgpu::Queue,
+    /// Name, kind and driver of the adapter.
+    pub info: Arc<wgpu::AdapterInfo>,
+    /// What the device allows.
+    pub limits: Arc<wgpu::Limits>,
+}
+
+/// Storage buffers that the tracing pass reads and writes.
+const STORAGE_BUFFERS: u32 = 8;
+
+impl GpuContext {
+    /// A device of the best adapter there is: a discrete card before an integrated one before a software one, and a
+    /// modern graphics interface before OpenGL.
+    ///
+    /// # Errors
+    /// When there is no adapter that can compute.
+    pub fn headless() -> Result<Self, RenderError> {
+        let adapter = Self::adapters()
+            .into_iter()
+            .min_by_key(|adapter| rank(&adapter.get_info()))
+            .ok_or_else(|| {
+                RenderError::NoAdapter("none was found that can run compute shaders".into())
+            })?;
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("towel designer"),
+            required_limits: adapter.limits(),
+            ..Default::default()
+        };
+        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
+            .map_err(|error| RenderError::NoAdapter(error.to_string()))?;
+        Self::from_device(device, queue, adapter.get_info())
+    }
+
+    /// Uses a device that is there already. Its limits should be its adapter's: what is lower is kept to.
+    ///
+    /// # Errors
+    /// When the device's limits are below what any picture needs.
+    pub fn from_device(
+        device: wgpu::Device,
+        queue: wgpu::Queue,
+        info: wgpu::AdapterInfo,
+    ) -> Result<Self, RenderError> {
+        let limits = device.limits();
+        let context = Self {
+            device,
+            queue,
+            info: Arc::new(info),
+            limits: Arc::new(limits),
+        };
+        context.check(
+            "the number of storage buffers a shader needs",
+            STORAGE_BUFFERS.into(),
+            context.limits.max_storage_buffers_per_shader_stage.into(),
+        )?;
+        Ok(context)
+    }
+
+    /// Every adapter of this machine that can compute.
+    pub fn adapters() -> Vec<wgpu::Adapter> {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+        pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()))
+            .into_iter()
+            .filter(|adapter| {
+                let flags = adapter.get_downlevel_capabilities().flags;
+                flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS)
+                    && adapter.limits().max_storage_buffers_per_shader_stage >= STORAGE_BUFFERS
+            })
+            .collect()
+    }
+
+    /// True where the adapter is a processor in disguise: the cpu backend is faster then.
+    pub fn is_software(&self) -> bool {
+        is_software(&self.info)
+    }
+
+    /// An error that names what is too large, unless `value` is within `limit`.
+    pub(super) fn check(
+        &self,
+        what: &'static str,
+        value: u64,
+        limit: u64,
+    ) -> Result<(), RenderError> {
+        if value <= limit {
+            return Ok(());
+        }
+        Err(RenderError::BeyondAdapter {
+            what,
+            value,
+            limit,
+            adapter: self.info.name.clone(),
+        })
+    }
+
+    /// Largest storage buffer that can be bound, bytes.
+    pub(super) fn largest_binding(&self) -> u64 {
+        self.limits
+            .max_storage_buffer_binding_size
+            .min(self.limits.max_buffer_size)
+    }
+
+    /// Runs `work`, and returns what the device finds wrong with it as an error instead of a panic.
+    pub(super) fn guarded<T>(&self, work: impl FnOnce() -> T) -> Result<T, RenderError> {
+        let scopes = [
+            wgpu::ErrorFilter::Internal,
+            wgpu::ErrorFilter::OutOfMemory,
+            wgpu::ErrorFilter::Validation,
+        ]
+        .map(|filter| self.device.push_error_scope(filter));
+        let result = work();
+        let mut found = None;
+        // Scopes are a stack: the last pushed is popped first.
+        for scope in scopes.into_iter().rev() {
+            found = found.or(pollster::block_on(scope.pop()));
+        }
+        match found {
+            None => Ok(result),
+            Some(error) => Err(RenderError::Device(error.to_string())),
+        }
+    }
+
+    /// Submits commands and waits until they are done.
+    pub(super) fn submit_and_wait(
+        &self,
+        commands: wgpu::CommandEncoder,
+    ) -> Result<(), RenderError> {
+        let submission = self.guarded(|| self.queue.submit([commands.finish()]))?;
+        self.device
+            .poll(wgpu::PollType::Wait {
+                submission_index: Some(submission),
+                timeout: None,
+            })
+            .map_err(|error| RenderError::Device(error.to_string()))?;
+        Ok(())
+    }
+
+    pub(super) fn encoder(&self) -> wgpu::CommandEncoder {
+        self.device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
+    }
+}
+
+/// True for an adapter that is a processor in disguise.
+pub fn is_software(info: &wgpu::AdapterInfo) -> bool {
+    info.device_type == wgpu::DeviceType::Cpu
+}
+
+/// Smaller is better.
+fn rank(info: &wgpu::AdapterInfo) -> (u32, u32) {
+    let device = match info.device_type {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Other => 3,
+        wgpu::DeviceType::Cpu => 4,
+    };
+    (device, u32::from(info.backend == wgpu::Backend::Gl))
+}

@@ -1,0 +1,243 @@
+//! Host mirrors of the structs and constants that WGSL shares with the host: the only place where both are written.
+//!
+//! The test `layout` parses the composed WGSL and compares name, offset and size of every member, and the value of
+//! every constant, with [`STRUCTS`] and [`CONSTANTS`].
+
+use bytemuck::{Pod, Zeroable};
+
+/// A struct of the host as WGSL should see it: name, size, and (name, offset, size) of each member.
+#[derive(Debug)]
+pub struct StructLayout {
+    /// Name in WGSL.
+    pub name: &'static str,
+    /// Bytes of the struct.
+    pub size: usize,
+    /// Name, offset and size of each member, in order.
+    pub members: &'static [(&'static str, usize, usize)],
+}
+
+macro_rules! mirrors {
+    ($( $(#[$meta:meta])* struct $name:ident { $( $(#[$member_meta:meta])* $member:ident: $type:ty, )+ } )+) => {
+        $(
+            $(#[$meta])*
+            #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+            #[repr(C)]
+            pub struct $name { $( $(#[$member_meta])* pub $member: $type, )+ }
+        )+
+
+        /// Every mirrored struct.
+        pub const STRUCTS: &[StructLayout] = &[$(
+            StructLayout {
+                name: stringify!($name),
+                size: size_of::<$name>(),
+                members: &[$( (stringify!($member), std::mem::offset_of!($name, $member), size_of::<$type>()), )+],
+            },
+        )+];
+    };
+}
+
+macro_rules! constants {
+    ($( $(#[$meta:meta])* $name:ident = $value:expr; )+) => {
+        $( $(#[$meta])* pub const $name: u32 = $value; )+
+
+        /// Every mirrored constant: name in WGSL and value.
+        pub const CONSTANTS: &[(&str, u32)] = &[$( (stringify!($name), $name), )+];
+    };
+}
+
+constants! {
+    /// METHOD for `single`.
+    METHOD_SINGLE = 0;
+    /// METHOD for `layered`.
+    METHOD_LAYERED = 1;
+    /// METHOD for `tracked`.
+    METHOD_TRACKED = 2;
+    /// PHASE for `isotropic`.
+    PHASE_ISOTROPIC = 0;
+    /// PHASE for `frame_lambert`.
+    PHASE_FRAME_LAMBERT = 1;
+    /// PHASE for `kajiya_kay`.
+    PHASE_KAJIYA_KAY = 2;
+    /// SKELETON for none.
+    SKELETON_NONE = 0;
+    /// SKELETON for tubes.
+    SKELETON_WINDING = 1;
+    /// SKELETON for the paper's product.
+    SKELETON_PAPER = 2;
+    /// Side of a tile, pixels.
+    TILE = 16;
+    /// Pixels of a tile.
+    TILE_PIXELS = 256;
+    /// Threads of a workgroup.
+    WORKGROUP = 64;
+    /// Most suns.
+    MAX_SUNS = 8;
+    /// Most materials.
+    MAX_MATERIALS = 65;
+    /// Intervals of the table of N_p.
+    HIGHLIGHT_INTERVALS = 256;
+    /// Scrambles of the random sequence.
+    SCRAMBLES = crate::sampling::SCRAMBLES;
+    /// Index of the counter of rays.
+    COUNT_RAYS = 0;
+    /// Index of the counter of shadow rays.
+    COUNT_SHADOW_RAYS = 1;
+    /// Index of the counter of cells.
+    COUNT_CELLS = 2;
+    /// Index of the counter of patch tests.
+    COUNT_PATCH_TESTS = 3;
+    /// Index of the counter of volume samples.
+    COUNT_VOLUME_SAMPLES = 4;
+    /// Index of the counter of contributing hits.
+    COUNT_CONTRIBUTING_HITS = 5;
+    /// Number of counters.
+    COUNTERS_IN_ALL = 6;
+    /// Bit of a stitch word: warp over at the crossing itself.
+    STITCH_HERE = 0;
+    /// Bit of a stitch word: warp over at the next crossing along x.
+    STITCH_RIGHT = 1;
+    /// Bit of a stitch word: warp over at the crossing before along x.
+    STITCH_LEFT = 2;
+    /// Bit of a stitch word: warp over at the next crossing along y.
+    STITCH_FAR = 3;
+    /// Bit of a stitch word: warp over at the crossing before along y.
+    STITCH_NEAR = 4;
+    /// Vectors a pixel in the accumulation.
+    SUMS = 2;
+    /// The same with AOV.
+    SUMS_WITH_AOV = 4;
+    /// Coarsest lattice of the first sample, pixels.
+    COARSEST = 16;
+    /// Tone map: hard clip.
+    TONE_NONE = 0;
+    /// Tone map: filmic.
+    TONE_FILMIC = 1;
+}
+
+mirrors! {
+    /// A sun; see shaders/scene.wgsl, as for all that follow.
+    struct Sun {
+        /// Unit vector to the centre; 1 − cos(angular radius).
+        direction: [f32; 4],
+        /// Irradiance; unused.
+        irradiance: [f32; 4],
+    }
+
+    /// What is constant in a scene.
+    struct SceneConstants {
+        /// Size of a cell, mm.
+        pitch: [f32; 2],
+        /// Lowest and highest point of the cloth, mm.
+        z_range: [f32; 2],
+        /// Cells of the sheet.
+        sheet: [i32; 2],
+        /// Cells of margin.
+        margin: [i32; 2],
+        /// Half of w₀, mm.
+        half_base_width: f32,
+        /// Thickness of all loops, mm.
+        thickness: f32,
+        /// Unit of the cells' height ranges, mm.
+        height_unit: f32,
+        /// Share of the loop over which it fades in.
+        root_blend: f32,
+        /// Size of the reference loop, mm.
+        reference_size: [f32; 4],
+        /// Voxels along u and v.
+        resolution: f32,
+        /// 1 / slices of the voxel texture.
+        per_slice: f32,
+        /// Volumes of each kind.
+        variants: u32,
+        /// Highest density, 1/mm.
+        max_density: f32,
+        /// k of `frame_lambert`.
+        transmission: f32,
+        /// s of `kajiya_kay`.
+        specular: f32,
+        /// p of `kajiya_kay`.
+        exponent: f32,
+        /// H, mm.
+        crimp: f32,
+        /// Radii of warps and wefts, mm.
+        yarn_radius: [f32; 2],
+        /// Yarns beside a cell that reach into it.
+        yarn_reach: [i32; 2],
+        /// Repeat of the pattern, cells.
+        repeat: [u32; 2],
+        /// Padding.
+        unused: [u32; 2],
+        /// Albedo of the ground yarns.
+        skeleton_albedo: [f32; 4],
+        /// Radiance of the environment.
+        environment: [f32; 4],
+        /// Background.
+        background: [f32; 4],
+        /// All suns.
+        suns: [Sun; MAX_SUNS as usize],
+        /// Density (1/mm) and kind of each material.
+        materials: [[f32; 4]; MAX_MATERIALS as usize],
+    }
+
+    /// Camera rays of a tile.
+    struct RayTile {
+        /// Cell that the origin is relative to.
+        cell: [i32; 4],
+        /// Origin, mm; how many directions lie before it.
+        origin: [f32; 4],
+        /// Change for a pixel right.
+        origin_dx: [f32; 4],
+        /// Change for a pixel down.
+        origin_dy: [f32; 4],
+        /// Direction, not normalised.
+        direction: [f32; 4],
+        /// Change for a pixel right.
+        direction_dx: [f32; 4],
+        /// Change for a pixel down.
+        direction_dy: [f32; 4],
+    }
+
+    /// One dispatch's work.
+    struct Slice {
+        /// Size of the picture made, pixels.
+        size: [u32; 2],
+        /// Its corner in the whole picture.
+        corner: [u32; 2],
+        /// Tiles in a row.
+        tiles_across: u32,
+        /// First tile of the bound accumulation buffer.
+        buffer_first_tile: u32,
+        /// First tile to work on.
+        first_tile: u32,
+        /// Tile to stop before.
+        end_tile: u32,
+        /// First sample to add.
+        first_sample: u32,
+        /// Sample to stop before.
+        end_sample: u32,
+        /// Lattice of the pixels to work on; 0: all.
+        stride: u32,
+        /// Pixels of each tile to work on.
+        pixels_per_tile: u32,
+        /// The picture's seed.
+        seed: u32,
+        /// Most scatterings.
+        bounces: u32,
+        /// Tile at which the sample count changes.
+        split_tile: u32,
+        /// Samples before that tile.
+        samples_before: u32,
+        /// Samples from that tile on.
+        samples_after: u32,
+        /// Lattice of pixels that have samples, before that tile.
+        lattice_before: u32,
+        /// The same from that tile on.
+        lattice_after: u32,
+        /// `TONE_*`.
+        tone_map: u32,
+        /// 2^exposure.
+        exposure_scale: f32,
+        /// Padding.
+        unused: f32,
+    }
+}

@@ -1,0 +1,90 @@
+//! What a picture needs of the shaders: the values of their `override` constants. Pipelines are cached by it.
+
+use crate::design::{Interpolation, Method, Phase, SkeletonHeight};
+use crate::render::Settings;
+use crate::scene::Scene;
+
+use super::layout;
+
+/// The features that a scene and its settings use; the rest costs nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct SceneNeeds {
+    /// How the first segment gathers light.
+    pub method: Method,
+    /// How pile scatters.
+    pub phase: Phase,
+    /// More than one scattering is allowed.
+    pub long_paths: bool,
+    /// Layers blend.
+    pub linear_layers: bool,
+    /// Layers of the volumes.
+    pub layers: u32,
+    /// Loops fade in from their roots.
+    pub root_blend: bool,
+    /// The ground weave, if it is drawn.
+    pub skeleton: Option<SkeletonHeight>,
+    /// Number of suns.
+    pub suns: u32,
+    /// The environment gives light.
+    pub environment: bool,
+    /// Depth, normal and albedo are accumulated.
+    pub aov: bool,
+    /// Work is counted.
+    pub counters: bool,
+    /// Voxels are filtered in f32.
+    pub filter_f32: bool,
+}
+
+impl SceneNeeds {
+    /// What `scene` drawn with `settings` needs.
+    pub fn new(scene: &Scene, settings: &Settings, filter_f32: bool) -> Self {
+        Self {
+            method: settings.method,
+            phase: scene.pile.phase,
+            long_paths: settings.bounces > 1,
+            linear_layers: scene.volumes.interpolation == Interpolation::Linear,
+            layers: scene.volumes.layers,
+            root_blend: scene.volumes.root_blend > 0.0,
+            skeleton: scene.skeleton.visible.then_some(scene.skeleton.height),
+            suns: scene.lights.suns.len() as u32,
+            environment: scene.lights.environment.iter().any(|&c| c > 0.0),
+            aov: settings.aov,
+            counters: settings.counters,
+            filter_f32,
+        }
+    }
+
+    /// Names and values of the `override` constants of shaders/settings.wgsl.
+    pub fn constants(&self) -> Vec<(&'static str, f64)> {
+        let method = match self.method {
+            Method::Single => layout::METHOD_SINGLE,
+            Method::Layered => layout::METHOD_LAYERED,
+            Method::Tracked => layout::METHOD_TRACKED,
+        };
+        let phase = match self.phase {
+            Phase::Isotropic => layout::PHASE_ISOTROPIC,
+            Phase::FrameLambert => layout::PHASE_FRAME_LAMBERT,
+            Phase::KajiyaKay => layout::PHASE_KAJIYA_KAY,
+        };
+        let skeleton = match self.skeleton {
+            None => layout::SKELETON_NONE,
+            Some(SkeletonHeight::Winding) => layout::SKELETON_WINDING,
+            Some(SkeletonHeight::Paper) => layout::SKELETON_PAPER,
+        };
+        let flag = |name, on: bool| (name, f64::from(u8::from(on)));
+        vec![
+            ("METHOD", method.into()),
+            ("PHASE", phase.into()),
+            flag("LONG_PATHS", self.long_paths),
+            flag("LINEAR_LAYERS", self.linear_layers),
+            ("LAYERS", self.layers.into()),
+            flag("ROOT_BLEND", self.root_blend),
+            ("SKELETON", skeleton.into()),
+            ("SUN_COUNT", self.suns.into()),
+            flag("ENVIRONMENT", self.environment),
+            flag("AOV", self.aov),
+            flag("COUNTERS", self.counters),
+            flag("FILTER_F32", self.filter_f32),
+        ]
+    }
+}

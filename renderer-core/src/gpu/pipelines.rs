@@ -1,0 +1,273 @@
+//! Compute pipelines, made when first needed and kept.
+
+use std::collections::HashMap;
+
+use crate::render::RenderError;
+
+use super::GpuContext;
+use super::layout::{SceneConstants, Slice};
+use super::needs::SceneNeeds;
+use super::shaders::{Composed, ERROR, Part, RESOLVE, TRACE};
+
+/// Bindings of group 1; group 0 is the scene's.
+pub mod binding {
+    /// Ray tiles.
+    pub const RAY_TILES: u32 = 0;
+    /// Accumulation.
+    pub const SUMS: u32 = 1;
+    /// The slice.
+    pub const SLICE: u32 = 2;
+    /// Counters.
+    pub const TOTALS: u32 = 3;
+    /// Display texture.
+    pub const DISPLAY: u32 = 4;
+    /// Linear pixels to read back.
+    pub const LINEAR: u32 = 5;
+    /// Errors of tiles to read back.
+    pub const TILE_ERRORS: u32 = 6;
+}
+
+/// A program and the layouts of its bindings.
+#[derive(Debug)]
+struct Program {
+    module: wgpu::ShaderModule,
+    layout: wgpu::PipelineLayout,
+    group: wgpu::BindGroupLayout,
+}
+
+/// All pipelines of a device.
+#[derive(Debug)]
+pub struct Pipelines {
+    /// Layout of group 0 of the tracing program.
+    pub scene_layout: wgpu::BindGroupLayout,
+    trace: Program,
+    display: Program,
+    linear: Program,
+    error: Program,
+    traces: HashMap<SceneNeeds, wgpu::ComputePipeline>,
+    /// Keyed by AOV.
+    displays: HashMap<bool, wgpu::ComputePipeline>,
+    linears: HashMap<bool, wgpu::ComputePipeline>,
+    errors: HashMap<bool, wgpu::ComputePipeline>,
+}
+
+fn storage(binding: u32, read_only: bool) -> wgpu::BindGroupLayoutEntry {
+    buffer(binding, wgpu::BufferBindingType::Storage { read_only }, 0)
+}
+
+fn uniform(binding: u32, size: usize) -> wgpu::BindGroupLayoutEntry {
+    buffer(binding, wgpu::BufferBindingType::Uniform, size)
+}
+
+fn buffer(binding: u32, ty: wgpu::BufferBindingType, size: usize) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer {
+            ty,
+            has_dynamic_offset: false,
+            min_binding_size: std::num::NonZeroU64::new(size as u64),
+        },
+        count: None,
+    }
+}
+
+fn other(binding: u32, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty,
+        count: None,
+    }
+}
+
+fn volume(binding: u32) -> wgpu::BindGroupLayoutEntry {
+    other(
+        binding,
+        wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: true },
+            view_dimension: wgpu::TextureViewDimension::D3,
+            multisampled: false,
+        },
+    )
+}
+
+impl Program {
+    fn new(
+        context: &GpuContext,
+        parts: &[Part],
+        scene: Option<&wgpu::BindGroupLayout>,
+        entries: &[wgpu::BindGroupLayoutEntry],
+    ) -> Result<Self, RenderError> {
+        let device = &context.device;
+        let module = Composed::new(parts).compile(device)?;
+        context.guarded(|| {
+            let group = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: None,
+                entries,
+            });
+            let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: None,
+                bind_group_layouts: &[scene, Some(&group)],
+                immediate_size: 0,
+            });
+            Self {
+                module,
+                layout,
+                group,
+            }
+        })
+    }
+
+    fn pipeline(
+        &self,
+        context: &GpuContext,
+        entry_point: &str,
+        constants: &[(&str, f64)],
+    ) -> Result<wgpu::ComputePipeline, RenderError> {
+        context.guarded(|| {
+            context
+                .device
+                .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                    label: Some(entry_point),
+                    layout: Some(&self.layout),
+                    module: &self.module,
+                    entry_point: Some(entry_point),
+                    compilation_options: wgpu::PipelineCompilationOptions {
+                        constants,
+                        ..Default::default()
+                    },
+                    cache: None,
+                })
+        })
+    }
+}
+
+impl Pipelines {
+    /// Reads all programs; pipelines are made when first used.
+    pub fn new(context: &GpuContext) -> Result<Self, RenderError> {
+        let scene_layout = context.guarded(|| {
+            let entries = [
+                uniform(0, size_of::<SceneConstants>()),
+                storage(1, true),
+                storage(2, true),
+                storage(3, true),
+                storage(4, true),
+                storage(5, true),
+                uniform(6, 0),
+                volume(7),
+                volume(8),
+                volume(9),
+                other(
+                    10,
+                    wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
+                ),
+            ];
+            context
+                .device
+                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                    label: Some("scene"),
+                    entries: &entries,
+                })
+        })?;
+        let sums = storage(binding::SUMS, false);
+        let slice = uniform(binding::SLICE, size_of::<Slice>());
+        let display = other(
+            binding::DISPLAY,
+            wgpu::BindingType::StorageTexture {
+                access: wgpu::StorageTextureAccess::WriteOnly,
+                format: wgpu::TextureFormat::Rgba8Unorm,
+                view_dimension: wgpu::TextureViewDimension::D2,
+            },
+        );
+        let program = |parts, scene, entries: &[_]| Program::new(context, parts, scene, entries);
+        Ok(Self {
+            trace: program(
+                TRACE,
+                Some(&scene_layout),
+                &[
+                    storage(binding::RAY_TILES, true),
+                    sums,
+                    slice,
+                    storage(binding::TOTALS, false),
+                ],
+            )?,
+            display: program(RESOLVE, None, &[sums, slice, display])?,
+            linear: program(
+                RESOLVE,
+                None,
+                &[sums, slice, storage(binding::LINEAR, false)],
+            )?,
+            error: program(
+                ERROR,
+                None,
+                &[sums, slice, storage(binding::TILE_ERRORS, false)],
+            )?,
+            scene_layout,
+            traces: HashMap::new(),
+            displays: HashMap::new(),
+            linears: HashMap::new(),
+            errors: HashMap::new(),
+        })
+    }
+
+    /// The pipeline that adds samples, and the layout of its group 1.
+    pub fn trace(
+        &mut self,
+        context: &GpuContext,
+        needs: SceneNeeds,
+    ) -> Result<(&wgpu::ComputePipeline, &wgpu::BindGroupLayout), RenderError> {
+        if !self.traces.contains_key(&needs) {
+            let made = self
+                .trace
+                .pipeline(context, "trace_main", &needs.constants())?;
+            self.traces.insert(needs, made);
+        }
+        Ok((&self.traces[&needs], &self.trace.group))
+    }
+
+    /// The pipeline that fills the display texture.
+    pub fn display(&mut self, context: &GpuContext, aov: bool) -> Made<'_> {
+        made(
+            &self.display,
+            &mut self.displays,
+            context,
+            "resolve_display",
+            aov,
+        )
+    }
+
+    /// The pipeline that fills a buffer with linear pixels.
+    pub fn linear(&mut self, context: &GpuContext, aov: bool) -> Made<'_> {
+        made(
+            &self.linear,
+            &mut self.linears,
+            context,
+            "resolve_linear",
+            aov,
+        )
+    }
+
+    /// The pipeline that sums up errors.
+    pub fn error(&mut self, context: &GpuContext, aov: bool) -> Made<'_> {
+        made(&self.error, &mut self.errors, context, "error_main", aov)
+    }
+}
+
+/// A pipeline and the layout of its group 1.
+pub type Made<'a> = Result<(&'a wgpu::ComputePipeline, &'a wgpu::BindGroupLayout), RenderError>;
+
+/// The pipeline for `aov` of a program that depends on nothing else.
+fn made<'a>(
+    program: &'a Program,
+    made: &'a mut HashMap<bool, wgpu::ComputePipeline>,
+    context: &GpuContext,
+    entry_point: &str,
+    aov: bool,
+) -> Made<'a> {
+    if !made.contains_key(&aov) {
+        let constants = [("AOV", f64::from(u8::from(aov)))];
+        made.insert(aov, program.pipeline(context, entry_point, &constants)?);
+    }
+    Ok((&made[&aov], &program.group))
+}

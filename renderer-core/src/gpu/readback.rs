@@ -1,0 +1,249 @@
+//! What comes back from the device: pictures, the error estimate, counters.
+
+use std::sync::mpsc;
+
+use crate::image::{Aov, Picture};
+use crate::render::{Counters, RenderError, RenderRequest};
+
+use super::GpuContext;
+use super::accumulation::Accumulation;
+use super::layout::{self, COUNTERS_IN_ALL, Slice, TILE, TILE_PIXELS};
+use super::pipelines::{Pipelines, binding};
+use super::schedule::Drawn;
+
+/// Tiles that are read back at a time: 32 MiB of pixels, or 96 MiB with extra channels.
+const TILES_AT_A_TIME: u32 = 8192;
+
+/// Makes a buffer that shaders write and that can be copied from.
+fn output_buffer(context: &GpuContext, size: u64) -> wgpu::Buffer {
+    context.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("output"),
+        size,
+        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+        mapped_at_creation: false,
+    })
+}
+
+/// A uniform buffer with one slice.
+pub fn slice_buffer(context: &GpuContext, slice: &Slice) -> wgpu::Buffer {
+    let buffer = context.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("slice"),
+        size: size_of::<Slice>() as u64,
+        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    context
+        .queue
+        .write_buffer(&buffer, 0, bytemuck::bytes_of(slice));
+    buffer
+}
+
+/// Binds the accumulation and one output, and dispatches.
+pub fn dispatch(
+    context: &GpuContext,
+    encoder: &mut wgpu::CommandEncoder,
+    (pipeline, layout): (&wgpu::ComputePipeline, &wgpu::BindGroupLayout),
+    entries: &[wgpu::BindGroupEntry<'_>],
+    workgroups: u32,
+) {
+    let group = context
+        .device
+        .create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout,
+            entries,
+        });
+    let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+    pass.set_pipeline(pipeline);
+    pass.set_bind_group(1, &group, &[]);
+    pass.dispatch_workgroups(workgroups, 1, 1);
+}
+
+/// Submits `encoder` with a copy of `source` behind it, and returns the copy.
+fn read(
+    context: &GpuContext,
+    mut encoder: wgpu::CommandEncoder,
+    source: &wgpu::Buffer,
+) -> Result<Vec<u8>, RenderError> {
+    let size = source.size();
+    let staging = context.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("read back"),
+        size,
+        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    encoder.copy_buffer_to_buffer(source, 0, &staging, 0, size);
+    let failed = |error: &dyn std::fmt::Display| RenderError::Device(error.to_string());
+    let (sender, receiver) = mpsc::channel();
+    context.queue.submit([encoder.finish()]);
+    staging
+        .slice(..)
+        .map_async(wgpu::MapMode::Read, move |result| {
+            // The receiver is gone only if this function has already failed.
+            let _ = sender.send(result);
+        });
+    context
+        .device
+        .poll(wgpu::PollType::wait_indefinitely())
+        .map_err(|error| failed(&error))?;
+    receiver
+        .recv()
+        .map_err(|error| failed(&error))?
+        .map_err(|error| failed(&error))?;
+    let bytes = staging
+        .slice(..)
+        .get_mapped_range()
+        .map_err(|error| failed(&error))?
+        .to_vec();
+    Ok(bytes)
+}
+
+fn floats(bytes: &[u8]) -> Vec<f32> {
+    bytemuck::pod_collect_to_vec(bytes)
+}
+
+/// The mean so far.
+pub fn picture(
+    context: &GpuContext,
+    pipelines: &mut Pipelines,
+    accumulation: &Accumulation,
+    request: &RenderRequest,
+    drawn: Drawn,
+) -> Result<Picture, RenderError> {
+    let aov = request.settings.aov;
+    let vectors = if aov { 3 } else { 1 };
+    let [width, height] = accumulation.size;
+    let count = width as usize * height as usize;
+    let mut picture = Picture {
+        size: accumulation.size,
+        pixels: vec![[0.0; 4]; count],
+        aov: aov.then(|| Aov {
+            depth: vec![0.0; count],
+            normal: vec![[0.0; 3]; count],
+            albedo: vec![[0.0; 3]; count],
+        }),
+    };
+    let made = pipelines.linear(context, aov)?;
+    for buffer in &accumulation.sums {
+        for first in buffer.tiles.clone().step_by(TILES_AT_A_TIME as usize) {
+            let tiles = first..(first + TILES_AT_A_TIME).min(buffer.tiles.end);
+            let pixels = tiles.len() as u64 * u64::from(TILE_PIXELS);
+            let bytes = context.guarded(|| {
+                let mut slice = accumulation.slice(request, buffer, tiles.clone());
+                show(&mut slice, drawn);
+                let slice = slice_buffer(context, &slice);
+                let output = output_buffer(context, pixels * vectors as u64 * 16);
+                let mut encoder = context.encoder();
+                let entries = [
+                    entry(binding::SUMS, &buffer.buffer),
+                    entry(binding::SLICE, &slice),
+                    entry(binding::LINEAR, &output),
+                ];
+                let workgroups = pixels.div_ceil(layout::WORKGROUP.into()) as u32;
+                dispatch(context, &mut encoder, made, &entries, workgroups);
+                read(context, encoder, &output)
+            })??;
+            let values = floats(&bytes);
+            for (index, pixel) in values.chunks_exact(4 * vectors).enumerate() {
+                let tile = tiles.start + index as u32 / TILE_PIXELS;
+                let within = index as u32 % TILE_PIXELS;
+                let x = tile % accumulation.tiles[0] * TILE + within % TILE;
+                let y = tile / accumulation.tiles[0] * TILE + within / TILE;
+                if x >= width || y >= height {
+                    continue;
+                }
+                let to = y as usize * width as usize + x as usize;
+                picture.pixels[to].copy_from_slice(&pixel[..4]);
+                if let Some(aov) = &mut picture.aov {
+                    aov.normal[to].copy_from_slice(&pixel[4..7]);
+                    aov.depth[to] = pixel[7];
+                    aov.albedo[to].copy_from_slice(&pixel[8..11]);
+                }
+            }
+        }
+    }
+    Ok(picture)
+}
+
+/// Fills in what has been drawn.
+pub fn show(slice: &mut Slice, drawn: Drawn) {
+    slice.split_tile = drawn.split_tile;
+    (slice.samples_before, slice.lattice_before) = drawn.before;
+    (slice.samples_after, slice.lattice_after) = drawn.after;
+}
+
+/// A whole buffer at a binding.
+pub fn entry(binding: u32, buffer: &wgpu::Buffer) -> wgpu::BindGroupEntry<'_> {
+    wgpu::BindGroupEntry {
+        binding,
+        resource: buffer.as_entire_binding(),
+    }
+}
+
+/// Estimated relRMSE of the mean of `samples` samples, a multiple of four.
+pub fn error_estimate(
+    context: &GpuContext,
+    pipelines: &mut Pipelines,
+    accumulation: &Accumulation,
+    request: &RenderRequest,
+    samples: u32,
+) -> Result<f64, RenderError> {
+    let made = pipelines.error(context, request.settings.aov)?;
+    // One workgroup a tile, so no more tiles in a dispatch than it may have workgroups.
+    let tiles_at_a_time = context.limits.max_compute_workgroups_per_dimension;
+    let (mut variance, mut sum) = (0.0, 0.0);
+    for buffer in &accumulation.sums {
+        for first in buffer.tiles.clone().step_by(tiles_at_a_time as usize) {
+            let tiles = first..first.saturating_add(tiles_at_a_time).min(buffer.tiles.end);
+            let bytes = context.guarded(|| {
+                let mut slice = accumulation.slice(request, buffer, tiles.clone());
+                slice.samples_before = samples;
+                let slice = slice_buffer(context, &slice);
+                let output = output_buffer(context, tiles.len() as u64 * 8);
+                let mut encoder = context.encoder();
+                let entries = [
+                    entry(binding::SUMS, &buffer.buffer),
+                    entry(binding::SLICE, &slice),
+                    entry(binding::TILE_ERRORS, &output),
+                ];
+                dispatch(context, &mut encoder, made, &entries, tiles.len() as u32);
+                read(context, encoder, &output)
+            })??;
+            for tile in floats(&bytes).chunks_exact(2) {
+                variance += f64::from(tile[0]);
+                sum += f64::from(tile[1]);
+            }
+        }
+    }
+    let [width, height] = accumulation.size.map(f64::from);
+    let count = width * height;
+    // A black picture has no relative error; its spread is 0 as well.
+    Ok(if sum > 0.0 {
+        (variance / count).sqrt() / (sum / count)
+    } else {
+        0.0
+    })
+}
+
+/// Work done since the accumulation was made.
+pub fn counters(
+    context: &GpuContext,
+    accumulation: &Accumulation,
+) -> Result<Counters, RenderError> {
+    let bytes = context.guarded(|| read(context, context.encoder(), &accumulation.totals))??;
+    let words: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes);
+    let total = |which: u32| {
+        debug_assert!(which < COUNTERS_IN_ALL);
+        let at = 2 * which as usize;
+        u64::from(words[at]) | u64::from(words[at + 1]) << 32
+    };
+    Ok(Counters {
+        rays: total(layout::COUNT_RAYS),
+        shadow_rays: total(layout::COUNT_SHADOW_RAYS),
+        cells: total(layout::COUNT_CELLS),
+        patch_tests: total(layout::COUNT_PATCH_TESTS),
+        volume_samples: total(layout::COUNT_VOLUME_SAMPLES),
+        contributing_hits: total(layout::COUNT_CONTRIBUTING_HITS),
+        skipped_tiles: 0,
+    })
+}

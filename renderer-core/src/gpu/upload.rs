@@ -1,0 +1,383 @@
+//! A scene on the device. Sections are compared by identity: what is the same `Arc` as before keeps its buffers.
+
+use crate::design::{Phase, SkeletonHeight};
+use crate::render::RenderError;
+use crate::scene::{Scene, Skeleton, Volumes};
+
+use super::GpuContext;
+use super::layout::{
+    MAX_MATERIALS, MAX_SUNS, STITCH_FAR, STITCH_HERE, STITCH_LEFT, STITCH_NEAR, STITCH_RIGHT,
+    SceneConstants, Sun,
+};
+use super::{highlight, pipelines::Pipelines};
+
+/// Buffers and textures of one scene, and the scene they were made from.
+#[derive(Debug)]
+pub struct SceneBuffers {
+    scene: Scene,
+    constants: wgpu::Buffer,
+    shapes: wgpu::Buffer,
+    looks: wgpu::Buffer,
+    headers: wgpu::Buffer,
+    entries: wgpu::Buffer,
+    stitches: wgpu::Buffer,
+    highlight: wgpu::Buffer,
+    voxels: wgpu::Texture,
+    tangents: [wgpu::Texture; 2],
+    sampler: wgpu::Sampler,
+    /// All of them as group 0 of the tracing program.
+    pub group: wgpu::BindGroup,
+}
+
+impl SceneBuffers {
+    /// Brings `scene` to the device, taking over from `old` what has not changed.
+    ///
+    /// # Errors
+    /// When a part of the scene is beyond the device.
+    pub fn new(
+        context: &GpuContext,
+        pipelines: &Pipelines,
+        scene: &Scene,
+        old: Option<Self>,
+    ) -> Result<Self, RenderError> {
+        context.guarded(|| Self::upload(context, pipelines, scene, old))?
+    }
+
+    fn upload(
+        context: &GpuContext,
+        pipelines: &Pipelines,
+        scene: &Scene,
+        old: Option<Self>,
+    ) -> Result<Self, RenderError> {
+        let old = old.as_ref();
+        let kept = |same: fn(&Scene, &Scene) -> bool| old.filter(|old| same(&old.scene, scene));
+        let storage = |what, bytes: &[u8]| storage_buffer(context, what, bytes);
+
+        let [shapes, headers, entries] = match kept(|a, b| a.loops == b.loops) {
+            Some(old) => [old.shapes.clone(), old.headers.clone(), old.entries.clone()],
+            None => [
+                storage(
+                    "the bytes of all loop shapes",
+                    bytemuck::cast_slice(&scene.loops.shapes),
+                )?,
+                storage(
+                    "the bytes of all cell headers",
+                    bytemuck::cast_slice(&scene.loops.headers),
+                )?,
+                storage(
+                    "the bytes of all cell lists",
+                    bytemuck::cast_slice(&scene.loops.entries),
+                )?,
+            ],
+        };
+        let looks = match kept(|a, b| a.looks == b.looks) {
+            Some(old) => old.looks.clone(),
+            None => storage(
+                "the bytes of all loop looks",
+                bytemuck::cast_slice(&scene.looks),
+            )?,
+        };
+        let stitches = match kept(|a, b| a.skeleton == b.skeleton) {
+            Some(old) => old.stitches.clone(),
+            None => storage(
+                "the bytes of the stitch pattern",
+                bytemuck::cast_slice(&stitch_words(&scene.skeleton)),
+            )?,
+        };
+        let highlight = match kept(|a, b| a.pile == b.pile) {
+            Some(old) => old.highlight.clone(),
+            None => {
+                // Phases without a highlight never read the table.
+                let exponent = match scene.pile.phase {
+                    Phase::KajiyaKay => scene.pile.exponent,
+                    Phase::Isotropic | Phase::FrameLambert => 1.0,
+                };
+                uniform_buffer(context, bytemuck::cast_slice(&highlight::table(exponent)))
+            }
+        };
+        let (voxels, tangents) = match kept(|a, b| a.volumes == b.volumes) {
+            Some(old) => (old.voxels.clone(), old.tangents.clone()),
+            None => volume_textures(context, &scene.volumes)?,
+        };
+        let sampler = match old {
+            Some(old) => old.sampler.clone(),
+            None => context.device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("voxels"),
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                ..Default::default()
+            }),
+        };
+        let constants = uniform_buffer(context, bytemuck::bytes_of(&scene_constants(scene)));
+
+        let view = |texture: &wgpu::Texture| texture.create_view(&Default::default());
+        let views = [view(&voxels), view(&tangents[0]), view(&tangents[1])];
+        let buffers = [
+            &constants, &shapes, &looks, &headers, &entries, &stitches, &highlight,
+        ];
+        let resources = buffers
+            .into_iter()
+            .map(wgpu::Buffer::as_entire_binding)
+            .chain(views.iter().map(wgpu::BindingResource::TextureView))
+            .chain([wgpu::BindingResource::Sampler(&sampler)]);
+        let entries_of_group: Vec<_> = (0..)
+            .zip(resources)
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
+            .collect();
+        let group = context
+            .device
+            .create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("scene"),
+                layout: &pipelines.scene_layout,
+                entries: &entries_of_group,
+            });
+        Ok(Self {
+            scene: scene.clone(),
+            constants,
+            shapes,
+            looks,
+            headers,
+            entries,
+            stitches,
+            highlight,
+            voxels,
+            tangents,
+            sampler,
+            group,
+        })
+    }
+
+    /// Bytes on the device.
+    pub fn bytes(&self) -> u64 {
+        let texture = |texture: &wgpu::Texture| {
+            let size = texture.size();
+            let texel = texture.format().block_copy_size(None).unwrap_or(0);
+            u64::from(size.width)
+                * u64::from(size.height)
+                * u64::from(size.depth_or_array_layers)
+                * u64::from(texel)
+        };
+        let buffers = [
+            &self.constants,
+            &self.shapes,
+            &self.looks,
+            &self.headers,
+            &self.entries,
+            &self.stitches,
+            &self.highlight,
+        ];
+        buffers.iter().map(|buffer| buffer.size()).sum::<u64>()
+            + texture(&self.voxels)
+            + self.tangents.iter().map(texture).sum::<u64>()
+    }
+}
+
+/// A read-only storage buffer; never empty, since an empty one cannot be bound.
+fn storage_buffer(
+    context: &GpuContext,
+    what: &'static str,
+    bytes: &[u8],
+) -> Result<wgpu::Buffer, RenderError> {
+    context.check(what, bytes.len() as u64, context.largest_binding())?;
+    Ok(filled_buffer(context, bytes, wgpu::BufferUsages::STORAGE))
+}
+
+fn uniform_buffer(context: &GpuContext, bytes: &[u8]) -> wgpu::Buffer {
+    filled_buffer(context, bytes, wgpu::BufferUsages::UNIFORM)
+}
+
+fn filled_buffer(context: &GpuContext, bytes: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+    let buffer = context.device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: (bytes.len() as u64).next_multiple_of(16).max(16),
+        usage: usage | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    if !bytes.is_empty() {
+        context.queue.write_buffer(&buffer, 0, bytes);
+    }
+    buffer
+}
+
+/// For each crossing of the repeat: which yarn is over there and at its four neighbours, as `STITCH_*` bits.
+fn stitch_words(skeleton: &Skeleton) -> Vec<u32> {
+    let [columns, rows] = skeleton.repeat.map(i64::from);
+    let over = |i: i64, j: i64| {
+        let index = j.rem_euclid(rows) * columns + i.rem_euclid(columns);
+        skeleton
+            .warp_over
+            .get(index as usize)
+            .copied()
+            .unwrap_or(false)
+    };
+    let word = |i: i64, j: i64| {
+        [
+            (STITCH_HERE, over(i, j)),
+            (STITCH_RIGHT, over(i + 1, j)),
+            (STITCH_LEFT, over(i - 1, j)),
+            (STITCH_FAR, over(i, j + 1)),
+            (STITCH_NEAR, over(i, j - 1)),
+        ]
+        .into_iter()
+        .fold(0, |word, (bit, on)| word | u32::from(on) << bit)
+    };
+    (0..rows)
+        .flat_map(|j| (0..columns).map(move |i| (i, j)))
+        .map(|(i, j)| word(i, j))
+        .collect()
+}
+
+/// Voxels as one 3D texture with all volumes stacked up, and tangents as two; tiny ones where there are none.
+fn volume_textures(
+    context: &GpuContext,
+    volumes: &Volumes,
+) -> Result<(wgpu::Texture, [wgpu::Texture; 2]), RenderError> {
+    let side = volumes.resolution;
+    let slices =
+        u64::from(volumes.layers) * u64::from(volumes.variants) * volumes.kinds.len() as u64;
+    let limit = u64::from(context.limits.max_texture_dimension_3d);
+    context.check(
+        "pile.layers times pile.variants times the kinds of pile in use",
+        slices,
+        limit,
+    )?;
+    context.check("pile.resolution", side.into(), limit)?;
+    let voxels = texture(
+        context,
+        wgpu::TextureFormat::Rg8Unorm,
+        [side, side, slices as u32],
+        bytemuck::cast_slice(&volumes.voxels),
+    );
+    let size = if volumes.tangents.is_empty() {
+        [1; 3]
+    } else {
+        [side, side, slices as u32]
+    };
+    let part = |channels: std::ops::Range<usize>| -> Vec<u8> {
+        volumes
+            .tangents
+            .iter()
+            .flat_map(|tensor| &tensor[channels.clone()])
+            .map(|&value| value as u8)
+            .collect()
+    };
+    let tangents = [
+        texture(context, wgpu::TextureFormat::Rgba8Snorm, size, &part(0..4)),
+        texture(context, wgpu::TextureFormat::Rg8Snorm, size, &part(4..6)),
+    ];
+    Ok((voxels, tangents))
+}
+
+fn texture(
+    context: &GpuContext,
+    format: wgpu::TextureFormat,
+    [width, height, depth]: [u32; 3],
+    bytes: &[u8],
+) -> wgpu::Texture {
+    let size = wgpu::Extent3d {
+        width: width.max(1),
+        height: height.max(1),
+        depth_or_array_layers: depth.max(1),
+    };
+    let texture = context.device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D3,
+        format,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    if !bytes.is_empty() {
+        let texel = format.block_copy_size(None).unwrap_or(1);
+        context.queue.write_texture(
+            texture.as_image_copy(),
+            bytes,
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(width * texel),
+                rows_per_image: Some(height),
+            },
+            size,
+        );
+    }
+    texture
+}
+
+fn rgb(colour: [f64; 3]) -> [f32; 4] {
+    [colour[0] as f32, colour[1] as f32, colour[2] as f32, 0.0]
+}
+
+/// Lowest and highest point of loops and skeleton, mm.
+pub fn z_range_mm(scene: &Scene) -> [f64; 2] {
+    let [mut low, mut high] = scene.loops.z_range_mm.map(f64::from);
+    let skeleton = &scene.skeleton;
+    if skeleton.visible {
+        let thickest = skeleton.warp_radius_mm.max(skeleton.weft_radius_mm);
+        let reach = f64::from(match skeleton.height {
+            SkeletonHeight::Winding => thickest + skeleton.crimp_mm,
+            SkeletonHeight::Paper => thickest,
+        });
+        (low, high) = (low.min(-reach), high.max(reach));
+    }
+    [low, high]
+}
+
+fn scene_constants(scene: &Scene) -> SceneConstants {
+    let (sheet, loops, volumes) = (&scene.sheet, &scene.loops, &scene.volumes);
+    let (pile, skeleton, lights) = (&scene.pile, &scene.skeleton, &scene.lights);
+    let slices = volumes.layers * volumes.variants * volumes.kinds.len() as u32;
+    let [u, v, w] = volumes.reference_size_mm;
+    let reach = |radius: f32, pitch: f64| {
+        // Yarns k places away reach into the cell while k·pitch − radius < ½ pitch.
+        (f64::from(radius) / pitch - 0.5).ceil().max(0.0) as i32
+    };
+    let mut suns = [Sun {
+        direction: [0.0; 4],
+        irradiance: [0.0; 4],
+    }; MAX_SUNS as usize];
+    for (slot, sun) in suns.iter_mut().zip(&lights.suns) {
+        slot.direction = rgb(sun.direction);
+        slot.direction[3] = (2.0 * (sun.angular_radius / 2.0).sin().powi(2)) as f32;
+        slot.irradiance = rgb(sun.irradiance);
+    }
+    let mut materials = [[0.0; 4]; MAX_MATERIALS as usize];
+    for (slot, material) in materials.iter_mut().zip(&pile.materials) {
+        *slot = [material.density_per_mm, material.kind as f32, 0.0, 0.0];
+    }
+    SceneConstants {
+        pitch: [sheet.pitch_x_mm as f32, sheet.pitch_y_mm as f32],
+        z_range: z_range_mm(scene).map(|z| z as f32),
+        sheet: [sheet.warps as i32, sheet.wefts as i32],
+        margin: loops.margin.map(|cells| cells as i32),
+        half_base_width: 0.5 * loops.base_width_mm,
+        thickness: loops.thickness_mm,
+        height_unit: loops.height_unit_mm,
+        root_blend: volumes.root_blend,
+        reference_size: [u, v, w, 0.0],
+        resolution: volumes.resolution as f32,
+        per_slice: 1.0 / slices.max(1) as f32,
+        variants: volumes.variants,
+        max_density: pile
+            .materials
+            .iter()
+            .fold(0.0, |most, material| most.max(material.density_per_mm)),
+        transmission: pile.transmission,
+        specular: pile.specular,
+        exponent: pile.exponent,
+        crimp: skeleton.crimp_mm,
+        yarn_radius: [skeleton.warp_radius_mm, skeleton.weft_radius_mm],
+        yarn_reach: [
+            reach(skeleton.warp_radius_mm, sheet.pitch_x_mm),
+            reach(skeleton.weft_radius_mm, sheet.pitch_y_mm),
+        ],
+        repeat: skeleton.repeat,
+        unused: [0; 2],
+        skeleton_albedo: rgb(skeleton.albedo.map(f64::from)),
+        environment: rgb(lights.environment),
+        background: rgb(lights.background),
+        suns,
+        materials,
+    }
+}

@@ -1,0 +1,100 @@
+// How pile and ground yarns scatter (MODEL.md §8): ψ in 1/sr, times |cos| for surfaces, and directions drawn for it.
+// `towards_eye` and `towards_light` point away from the scattering point.
+
+// Unit vectors that make a right-handed basis with a unit vector (Duff et al., JCGT 2017).
+fn basis_x(n: vec3<f32>) -> vec3<f32> {
+    let sign = select(-1.0, 1.0, n.z >= 0.0);
+    let a = -1.0 / (sign + n.z);
+    return vec3<f32>(1.0 + sign * n.x * n.x * a, sign * n.x * n.y * a, -sign * n.x);
+}
+
+fn basis_y(n: vec3<f32>) -> vec3<f32> {
+    let sign = select(-1.0, 1.0, n.z >= 0.0);
+    let a = -1.0 / (sign + n.z);
+    return vec3<f32>(n.x * n.y * a, sign + n.y * n.y * a, -n.y);
+}
+
+fn on_circle(v: f32) -> vec2<f32> {
+    let angle = 2.0 * PI * v;
+    return vec2<f32>(cos(angle), sin(angle));
+}
+
+fn uniform_on_sphere(u: vec2<f32>) -> vec3<f32> {
+    let z = 1.0 - 2.0 * u.x;
+    return vec3<f32>(sqrt(max(1.0 - z * z, 0.0)) * on_circle(u.y), z);
+}
+
+// Density cos θ/π about `normal`.
+fn cosine_about(normal: vec3<f32>, u: vec2<f32>) -> vec3<f32> {
+    let disc = sqrt(u.x) * on_circle(u.y);
+    let up = sqrt(max(1.0 - u.x, 0.0));
+    return disc.x * basis_x(normal) + disc.y * basis_y(normal) + up * normal;
+}
+
+// N_p(θ_v) from its table, which is symmetric about π/2.
+fn highlight_normalisation(cos_eye: f32) -> f32 {
+    let angle = acos(clamp(abs(cos_eye), 0.0, 1.0));
+    let place = clamp(angle * (2.0 / PI), 0.0, 1.0) * f32(HIGHLIGHT_INTERVALS);
+    let index = min(u32(place), HIGHLIGHT_INTERVALS - 1u);
+    let low = highlight_norm[index / 4u][index % 4u];
+    let high = highlight_norm[(index + 1u) / 4u][(index + 1u) % 4u];
+    return mix(low, high, place - f32(index));
+}
+
+fn kajiya_kay(tangent: vec3<f32>, towards_eye: vec3<f32>, towards_light: vec3<f32>) -> f32 {
+    let cos_eye = clamp(dot(tangent, towards_eye), -1.0, 1.0);
+    let cos_light = clamp(dot(tangent, towards_light), -1.0, 1.0);
+    let sin_eye = sqrt(max(1.0 - cos_eye * cos_eye, 0.0));
+    let sin_light = sqrt(max(1.0 - cos_light * cos_light, 0.0));
+    // cos(θ_l + θ_v − π): 1 on the cone of mirror directions.
+    let mirrored = max(sin_light * sin_eye - cos_light * cos_eye, 0.0);
+    var highlight = 0.0;
+    if mirrored > 0.0 {
+        highlight = pow(mirrored, scene.exponent) / max(highlight_normalisation(cos_eye), 1.0e-20);
+    }
+    return mix(sin_light / (PI * PI), highlight, scene.specular);
+}
+
+// Light scattered towards the eye for light of unit irradiance from one direction: ψ, or albedo/π·cos for ground yarns.
+fn scattered(at: Scatter, towards_eye: vec3<f32>, towards_light: vec3<f32>) -> vec3<f32> {
+    let cos_light = dot(at.normal, towards_light);
+    if at.what == GROUND {
+        return at.albedo * (max(cos_light, 0.0) / PI);
+    }
+    if PHASE == PHASE_FRAME_LAMBERT {
+        let same_side = cos_light * dot(at.normal, towards_eye) > 0.0;
+        let share = select(scene.transmission, 1.0 - scene.transmission, same_side);
+        return at.albedo * (share * abs(cos_light) / PI);
+    }
+    if PHASE == PHASE_KAJIYA_KAY {
+        return at.albedo * kajiya_kay(at.tangent, towards_eye, towards_light);
+    }
+    return at.albedo * (0.25 / PI);
+}
+
+struct Drawn {
+    direction: vec3<f32>,
+    // scattered / probability density.
+    weight: vec3<f32>,
+}
+
+// A direction to gather light from, drawn with two numbers.
+fn draw_direction(at: Scatter, towards_eye: vec3<f32>, u: vec2<f32>) -> Drawn {
+    if at.what == GROUND {
+        return Drawn(cosine_about(at.normal, u), at.albedo);
+    }
+    if PHASE == PHASE_FRAME_LAMBERT {
+        let eye_side = select(-1.0, 1.0, dot(at.normal, towards_eye) >= 0.0) * at.normal;
+        let reflected = 1.0 - scene.transmission;
+        if u.x < reflected {
+            return Drawn(cosine_about(eye_side, vec2<f32>(u.x / reflected, u.y)), at.albedo);
+        }
+        let rest = clamp((u.x - reflected) / max(scene.transmission, 1.0e-6), 0.0, 1.0);
+        return Drawn(cosine_about(-eye_side, vec2<f32>(rest, u.y)), at.albedo);
+    }
+    let direction = uniform_on_sphere(u);
+    if PHASE == PHASE_KAJIYA_KAY {
+        return Drawn(direction, at.albedo * (4.0 * PI * kajiya_kay(at.tangent, towards_eye, direction)));
+    }
+    return Drawn(direction, at.albedo);
+}

@@ -1,0 +1,86 @@
+// What is accumulated, and where: tile by tile, so that threads of a tile touch neighbouring memory and the
+// accumulation of a large picture can be several buffers.
+
+struct Slice {
+    // Size of the picture that is made, pixels.
+    size: vec2<u32>,
+    // Its corner in the whole picture, pixels.
+    corner: vec2<u32>,
+    // Tiles in a row of tiles.
+    tiles_across: u32,
+    // First tile of the accumulation buffer that is bound.
+    buffer_first_tile: u32,
+    // Tiles from `first_tile` up to `end_tile` are worked on.
+    first_tile: u32,
+    end_tile: u32,
+    // Samples from `first_sample` up to `end_sample` are added.
+    first_sample: u32,
+    end_sample: u32,
+    // The pixels of each tile that are worked on: those of the lattice of this stride that are not on the next coarser
+    // one; 0: all pixels.
+    stride: u32,
+    pixels_per_tile: u32,
+    seed: u32,
+    bounces: u32,
+    // Tiles before this one have `samples_before` samples, the others `samples_after`; where that is 0, only the pixels
+    // on the lattice of stride `lattice_before` or `lattice_after` have one.
+    split_tile: u32,
+    samples_before: u32,
+    samples_after: u32,
+    lattice_before: u32,
+    lattice_after: u32,
+    // Display: 2^exposure, and TONE_*.
+    tone_map: u32,
+    exposure_scale: f32,
+    unused: f32,
+}
+
+const TONE_NONE: u32 = 0u;
+const TONE_FILMIC: u32 = 1u;
+// Vectors of a pixel in the accumulation: radiance and coverage, luminance by scramble, then with AOV normal and depth,
+// albedo and count of the samples that met cloth.
+const SUM_COLOUR: u32 = 0u;
+const SUM_LUMINANCE: u32 = 1u;
+const SUM_NORMAL: u32 = 2u;
+const SUM_ALBEDO: u32 = 3u;
+const SUMS: u32 = 2u;
+const SUMS_WITH_AOV: u32 = 4u;
+// The coarsest lattice of the first sample: one pixel a tile.
+const COARSEST: u32 = 16u;
+
+@group(1) @binding(1) var<storage, read_write> sums: array<vec4<f32>>;
+@group(1) @binding(2) var<uniform> slice: Slice;
+
+fn sums_per_pixel() -> u32 {
+    if AOV {
+        return SUMS_WITH_AOV;
+    }
+    return SUMS;
+}
+
+fn sum_index(tile: u32, pixel_in_tile: vec2<u32>) -> u32 {
+    let pixel = (tile - slice.buffer_first_tile) * TILE_PIXELS + pixel_in_tile.y * TILE + pixel_in_tile.x;
+    return pixel * sums_per_pixel();
+}
+
+fn tile_corner(tile: u32) -> vec2<u32> {
+    return vec2<u32>(tile % slice.tiles_across, tile / slice.tiles_across) * TILE;
+}
+
+// The pixel of a tile that thread `rank` works on.
+fn pixel_of_rank(rank: u32) -> vec2<u32> {
+    if slice.stride == 0u {
+        // Squares of 8 × 8 pixels a workgroup: neighbours cross the same loops.
+        let square = rank / 64u;
+        let within = rank % 64u;
+        return vec2<u32>((square % 2u) * 8u + within % 8u, (square / 2u) * 8u + within / 8u);
+    }
+    if slice.stride == COARSEST {
+        return vec2<u32>();
+    }
+    // Three of the four lattice points of every coarser square are new.
+    let across = TILE / (2u * slice.stride);
+    let square = rank / 3u;
+    let corner = rank % 3u + 1u;
+    return (vec2<u32>(square % across, square / across) * 2u + vec2<u32>(corner & 1u, corner >> 1u)) * slice.stride;
+}

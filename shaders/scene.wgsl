@@ -1,0 +1,104 @@
+// The scene on the device: the records of renderer-core/src/scene/types.rs and the constants of a scene.
+// Host mirrors: gpu/layout.rs (a test compares names, offsets and sizes). Lengths in mm, angles in radians.
+
+struct Sun {
+    // Unit vector to the sun's centre; w: 1 − cos(angular radius).
+    direction: vec4<f32>,
+    // Irradiance on a plane that faces the sun; w unused.
+    irradiance: vec4<f32>,
+}
+
+struct SceneConstants {
+    // Size of a cell along x and y.
+    pitch: vec2<f32>,
+    // Lowest and highest point of loops and skeleton.
+    z_range: vec2<f32>,
+    // Cells along x and y, without the margin.
+    sheet: vec2<i32>,
+    // Cells of margin around the sheet along x and y.
+    margin: vec2<i32>,
+    // Half the width of all patches at their roots, w₀/2.
+    half_base_width: f32,
+    // h: thickness of all patches along their normal.
+    thickness: f32,
+    // Unit of the cells' height ranges.
+    height_unit: f32,
+    // Share of the loop from its root over which its density fades in.
+    root_blend: f32,
+    // Size of the loop that the volumes were made for, along u, v, w; w unused.
+    reference_size: vec4<f32>,
+    // Voxels along u and v.
+    resolution: f32,
+    // 1 / number of slices of the voxel texture.
+    per_slice: f32,
+    // Volumes of each kind of pile.
+    variants: u32,
+    // Highest density of any material, 1/mm.
+    max_density: f32,
+    // k of frame_lambert.
+    transmission: f32,
+    // s of kajiya_kay.
+    specular: f32,
+    // p of kajiya_kay.
+    exponent: f32,
+    // H: how far ground yarns rise and sink.
+    crimp: f32,
+    // Radii of warps and wefts.
+    yarn_radius: vec2<f32>,
+    // How many yarns away warps and wefts reach into a cell; 0 unless they are thicker than their pitch.
+    yarn_reach: vec2<i32>,
+    // Repeat of the stitch pattern along x and y, cells.
+    repeat: vec2<u32>,
+    unused: vec2<u32>,
+    // Diffuse albedo of the ground yarns; w unused.
+    skeleton_albedo: vec4<f32>,
+    // Radiance of the environment; w unused.
+    environment: vec4<f32>,
+    // Radiance seen where there is no cloth; w unused.
+    background: vec4<f32>,
+    suns: array<Sun, MAX_SUNS>,
+    // Density (1/mm), index of the kind of pile, unused, unused.
+    materials: array<vec4<f32>, MAX_MATERIALS>,
+}
+
+@group(0) @binding(0) var<uniform> scene: SceneConstants;
+// Two vec4 a loop: axis and root_z0, half_top and root_z1.
+@group(0) @binding(1) var<storage, read> loop_shapes: array<vec4<f32>>;
+// One vec2 a loop: red and green, blue and variant and material.
+@group(0) @binding(2) var<storage, read> loop_looks: array<vec2<u32>>;
+// entries_start, entries_count, first_loop, z_range.
+@group(0) @binding(3) var<storage, read> cell_headers: array<vec4<u32>>;
+@group(0) @binding(4) var<storage, read> cell_entries: array<u32>;
+// For each cell of the stitch repeat: which yarn is over here and at its four neighbours, see skeleton.wgsl.
+@group(0) @binding(5) var<storage, read> stitches: array<u32>;
+// N_p(θ_v) of kajiya_kay at HIGHLIGHT_INTERVALS + 1 angles from 0 to π/2, four a vec4.
+@group(0) @binding(6) var<uniform> highlight_norm: array<vec4<f32>, HIGHLIGHT_INTERVALS / 4u + 1u>;
+// Density ρ and ρ·shade; slice = (kind · variants + variant) · layers + layer.
+@group(0) @binding(7) var voxels: texture_3d<f32>;
+// ρ·ttᵀ: (xx, yy, zz, xy) and (xz, yz, –, –), when the phase function needs it.
+@group(0) @binding(8) var tangents_a: texture_3d<f32>;
+@group(0) @binding(9) var tangents_b: texture_3d<f32>;
+@group(0) @binding(10) var voxel_sampler: sampler;
+
+// Where light is scattered; `cell` and `point` as in Ray.
+const NOTHING: u32 = 0u;
+const PILE: u32 = 1u;
+const GROUND: u32 = 2u;
+struct Scatter {
+    // NOTHING, PILE or GROUND.
+    what: u32,
+    cell: vec2<i32>,
+    point: vec3<f32>,
+    // Distance from the ray's origin.
+    t: f32,
+    // n̂ of the loop or outward normal of the ground yarn.
+    normal: vec3<f32>,
+    // Unit tangent of the fibre; only for PHASE_KAJIYA_KAY.
+    tangent: vec3<f32>,
+    // Single-scatter or diffuse albedo.
+    albedo: vec3<f32>,
+}
+
+fn no_scatter() -> Scatter {
+    return Scatter(NOTHING, vec2<i32>(), vec3<f32>(), 0.0, vec3<f32>(), vec3<f32>(), vec3<f32>());
+}

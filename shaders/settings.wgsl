@@ -1,0 +1,54 @@
+// What is specialised: pipeline constants that host code derives from scene and settings (gpu/needs.rs), so that a
+// feature that a picture does not use costs nothing. Constants are shared with gpu/layout.rs.
+
+const METHOD_SINGLE: u32 = 0u;
+const METHOD_LAYERED: u32 = 1u;
+const METHOD_TRACKED: u32 = 2u;
+
+const PHASE_ISOTROPIC: u32 = 0u;
+const PHASE_FRAME_LAMBERT: u32 = 1u;
+const PHASE_KAJIYA_KAY: u32 = 2u;
+
+const SKELETON_NONE: u32 = 0u;
+const SKELETON_WINDING: u32 = 1u;
+const SKELETON_PAPER: u32 = 2u;
+
+// Side of the tiles that work is handed out in, pixels.
+const TILE: u32 = 16u;
+const TILE_PIXELS: u32 = 256u;
+// Threads of a workgroup, in every entry point.
+const WORKGROUP: u32 = 64u;
+const MAX_SUNS: u32 = 8u;
+const MAX_MATERIALS: u32 = 65u;
+// Intervals of the table of N_p over [0, π/2].
+const HIGHLIGHT_INTERVALS: u32 = 256u;
+// Independent scrambles of the random sequence, and so accumulators of each pixel (MODEL.md §10).
+const SCRAMBLES: u32 = 4u;
+
+const PI: f32 = 3.14159265358979;
+// Beyond every distance in a scene, and small enough that sums and products of two stay finite.
+const FAR: f32 = 1.0e15;
+
+// How the first segment of a path and its shadow rays gather light: METHOD_*.
+override METHOD: u32 = 0u;
+// How pile scatters: PHASE_*.
+override PHASE: u32 = 0u;
+// More than one scattering is allowed.
+override LONG_PATHS: bool = false;
+// Densities blend from layer to layer; else layers are slabs.
+override LINEAR_LAYERS: bool = true;
+// Layers of the loop volumes.
+override LAYERS: u32 = 16u;
+// Loops fade in from their roots.
+override ROOT_BLEND: bool = true;
+// Shape of the ground yarns: SKELETON_*.
+override SKELETON: u32 = 1u;
+override SUN_COUNT: u32 = 1u;
+// The environment gives light.
+override ENVIRONMENT: bool = true;
+// Also accumulate depth, normal and albedo.
+override AOV: bool = false;
+// Count rays, cells and tests.
+override COUNTERS: bool = false;
+// Filter voxels by hand in f32 rather than with the sampler's 8-bit weights.
+override FILTER_F32: bool = false;

@@ -1,0 +1,227 @@
+// The ground weave (MODEL.md §7): warps along y and wefts along x, each cell holding its own crossing.
+//
+// "winding": the yarn is the tube (x − x_i)² + (z − H·s)² = R²; its upper half is the displacement map, its lower half
+// the same seen from behind. The ray steps by the tube's distance divided by a bound of its slope, so it cannot jump
+// over the tube. "paper": the height field z = A·s (the paper's equation 2), by fixed steps and bisection.
+
+struct YarnHit {
+    // FAR where nothing is hit.
+    t: f32,
+    // Outward, unit.
+    normal: vec3<f32>,
+    // Relative to the cell.
+    point: vec3<f32>,
+}
+
+fn no_yarn() -> YarnHit {
+    return YarnHit(FAR, vec3<f32>(), vec3<f32>());
+}
+
+// How far off the surface rays that leave it start, as a share of the radius: far above rounding, far below notice.
+const YARN_LIFT: f32 = 1.0e-4;
+// Smallest step towards a tube, in its radii: a chord shorter than this may be missed.
+const SMALLEST_STEP: f32 = 1.0 / 64.0;
+// Enough to graze along a whole cell 8 radii long by smallest steps.
+const YARN_STEPS: u32 = 512u;
+const PAPER_STEPS: u32 = 16u;
+// Halvings of a bracket: down to what f32 resolves of a yarn.
+const BISECTIONS: u32 = 16u;
+
+// Bits of a stitch word: which yarn is over here and in the next cells; shared with gpu/layout.rs.
+const STITCH_HERE: u32 = 0u;
+const STITCH_RIGHT: u32 = 1u;
+const STITCH_LEFT: u32 = 2u;
+const STITCH_FAR: u32 = 3u;
+const STITCH_NEAR: u32 = 4u;
+
+// +1 where the warp is over, −1 where it is under.
+fn warp_side(stitch: u32, place: u32) -> f32 {
+    return f32((stitch >> place) & 1u) * 2.0 - 1.0;
+}
+
+// One yarn in one cell, in coordinates across it, along it and up, relative to its crossing.
+struct GroundYarn {
+    radius: f32,
+    pitch: f32,
+    // +1 over, −1 under: at the crossing before, at this one and at the next.
+    before: f32,
+    here: f32,
+    next: f32,
+}
+
+// s and its derivative at a place along the yarn.
+fn winding(yarn: GroundYarn, along: f32) -> vec2<f32> {
+    let neighbour = select(yarn.before, yarn.next, along >= 0.0);
+    let phase = along * PI / yarn.pitch;
+    let half_change = 0.5 * (yarn.here - neighbour);
+    return vec2<f32>(
+        0.5 * (yarn.here + neighbour) + half_change * cos(phase),
+        -half_change * sin(phase) * PI / yarn.pitch,
+    );
+}
+
+// The part of the range in which start + slope·t is within ±bound.
+fn clip_band(range: vec2<f32>, start: f32, slope: f32, bound: f32) -> vec2<f32> {
+    let inverse = 1.0 / select(slope, PARALLEL, abs(slope) < PARALLEL);
+    let a = (-bound - start) * inverse;
+    let b = (bound - start) * inverse;
+    return vec2<f32>(max(range.x, min(a, b)), min(range.y, max(a, b)));
+}
+
+// Distance from the tube, in the plane across the yarn; negative inside.
+fn tube_distance(yarn: GroundYarn, point: vec3<f32>) -> f32 {
+    return length(vec2<f32>(point.x, point.z - scene.crimp * winding(yarn, point.y).x)) - yarn.radius;
+}
+
+// `origin` and `direction` are (across, along, up); so are the normal and the point returned.
+fn winding_hit(yarn: GroundYarn, origin: vec3<f32>, direction: vec3<f32>, range: vec2<f32>) -> YarnHit {
+    // The tube's distance changes at most this fast along a unit direction.
+    let steepness = scene.crimp * PI / yarn.pitch;
+    let safe_share = inverseSqrt(1.0 + steepness * steepness);
+    let smallest = SMALLEST_STEP * yarn.radius;
+    var t = range.x;
+    var gap = tube_distance(yarn, origin + t * direction);
+    // A ray that starts inside meets the yarn where it starts.
+    for (var i = 0u; i < YARN_STEPS && gap > 0.0; i++) {
+        if t >= range.y {
+            break;
+        }
+        let before = t;
+        t = min(t + max(gap * safe_share, smallest), range.y);
+        gap = tube_distance(yarn, origin + t * direction);
+        if gap <= 0.0 {
+            var low = before;
+            for (var k = 0u; k < BISECTIONS; k++) {
+                let middle = 0.5 * (low + t);
+                let outside = tube_distance(yarn, origin + middle * direction) > 0.0;
+                low = select(low, middle, outside);
+                t = select(middle, t, outside);
+            }
+            t = low;
+        }
+    }
+    if gap > 0.0 {
+        return no_yarn();
+    }
+    let point = origin + t * direction;
+    let s = winding(yarn, point.y);
+    let above = point.z - scene.crimp * s.x;
+    let normal = vec3<f32>(point.x, -scene.crimp * s.y * above, above);
+    return YarnHit(t, normal * inverseSqrt(max(dot(normal, normal), 1.0e-30)), point);
+}
+
+// Height above the paper's surface A·s.
+fn paper_height(yarn: GroundYarn, point: vec3<f32>) -> f32 {
+    let a = sqrt(max(yarn.radius * yarn.radius - point.x * point.x, 0.0));
+    return point.z - a * winding(yarn, point.y).x;
+}
+
+fn paper_hit(yarn: GroundYarn, origin: vec3<f32>, direction: vec3<f32>, range: vec2<f32>) -> YarnHit {
+    var t_before = range.x;
+    let side = select(-1.0, 1.0, paper_height(yarn, origin + range.x * direction) >= 0.0);
+    for (var i = 1u; i <= PAPER_STEPS; i++) {
+        let t = mix(range.x, range.y, f32(i) / f32(PAPER_STEPS));
+        if paper_height(yarn, origin + t * direction) * side < 0.0 {
+            var low = t_before;
+            var high = t;
+            for (var k = 0u; k < BISECTIONS; k++) {
+                let middle = 0.5 * (low + high);
+                let below = paper_height(yarn, origin + middle * direction) * side < 0.0;
+                low = select(middle, low, below);
+                high = select(high, middle, below);
+            }
+            // The near end of the bracket: on the side that the ray came from.
+            let point = origin + low * direction;
+            let s = winding(yarn, point.y);
+            let a = sqrt(max(yarn.radius * yarn.radius - point.x * point.x, 0.0));
+            let normal = side * vec3<f32>(point.x * s.x, -a * a * s.y, a);
+            return YarnHit(low, normal * inverseSqrt(max(dot(normal, normal), 1.0e-30)), point);
+        }
+        t_before = t;
+    }
+    return no_yarn();
+}
+
+fn yarn_hit(yarn: GroundYarn, origin: vec3<f32>, direction: vec3<f32>, range: vec2<f32>) -> YarnHit {
+    let height = select(yarn.radius + scene.crimp, yarn.radius, SKELETON == SKELETON_PAPER);
+    let strip = clip_band(range, origin.x, direction.x, yarn.radius);
+    let within = clip_band(strip, origin.z, direction.z, height);
+    if within.x >= within.y {
+        return no_yarn();
+    }
+    if SKELETON == SKELETON_PAPER {
+        return paper_hit(yarn, origin, direction, within);
+    }
+    return winding_hit(yarn, origin, direction, within);
+}
+
+// The stitch word of a crossing; the pattern repeats over the sheet.
+fn stitch_at(cell: vec2<i32>) -> u32 {
+    let place = vec2<u32>(cell) % scene.repeat;
+    return stitches[place.y * scene.repeat.x + place.x];
+}
+
+// The nearest ground yarn of a cell between two distances. `ray_origin` is relative to the cell.
+fn skeleton_hit(cell: vec2<i32>, ray_origin: vec3<f32>, direction: vec3<f32>, t_from: f32, t_to: f32) -> YarnHit {
+    if SKELETON == SKELETON_NONE || any(cell < vec2<i32>(0)) || any(cell >= scene.sheet) {
+        return no_yarn();
+    }
+    let thickest = max(scene.yarn_radius.x, scene.yarn_radius.y);
+    let highest = select(thickest + scene.crimp, thickest, SKELETON == SKELETON_PAPER);
+    let range = clip_band(vec2<f32>(t_from, t_to), ray_origin.z, direction.z, highest);
+    if range.x >= range.y {
+        return no_yarn();
+    }
+    // Distances from where the ray enters: small numbers, however far the ray has come.
+    let origin = ray_origin + range.x * direction;
+    var nearest = no_yarn();
+    nearest.t = range.y - range.x;
+    var found = false;
+    for (var offset = -scene.yarn_reach.x; offset <= scene.yarn_reach.x; offset++) {
+        let place = cell + vec2<i32>(offset, 0);
+        if place.x >= 0 && place.x < scene.sheet.x {
+            let stitch = stitch_at(place);
+            let warp = GroundYarn(
+                scene.yarn_radius.x,
+                scene.pitch.y,
+                warp_side(stitch, STITCH_NEAR),
+                warp_side(stitch, STITCH_HERE),
+                warp_side(stitch, STITCH_FAR),
+            );
+            let shift = vec3<f32>(f32(offset) * scene.pitch.x, 0.0, 0.0);
+            let hit = yarn_hit(warp, origin - shift, direction, vec2<f32>(0.0, nearest.t));
+            if hit.t < FAR {
+                nearest = YarnHit(hit.t, hit.normal, hit.point + shift);
+                found = true;
+            }
+        }
+    }
+    for (var offset = -scene.yarn_reach.y; offset <= scene.yarn_reach.y; offset++) {
+        let place = cell + vec2<i32>(0, offset);
+        if place.y >= 0 && place.y < scene.sheet.y {
+            let stitch = stitch_at(place);
+            let weft = GroundYarn(
+                scene.yarn_radius.y,
+                scene.pitch.x,
+                -warp_side(stitch, STITCH_LEFT),
+                -warp_side(stitch, STITCH_HERE),
+                -warp_side(stitch, STITCH_RIGHT),
+            );
+            let shift = vec3<f32>(0.0, f32(offset) * scene.pitch.y, 0.0);
+            let hit = yarn_hit(weft, (origin - shift).yxz, direction.yxz, vec2<f32>(0.0, nearest.t));
+            if hit.t < FAR {
+                nearest = YarnHit(hit.t, hit.normal.yxz, hit.point.yxz + shift);
+                found = true;
+            }
+        }
+    }
+    nearest.t = select(FAR, range.x + nearest.t, found);
+    return nearest;
+}
+
+// Where light is scattered by a ground yarn of `cell`.
+fn ground_scatter(ray: Ray, cell: vec2<i32>, hit: YarnHit) -> Scatter {
+    let facing = select(-1.0, 1.0, dot(hit.normal, ray.direction) <= 0.0) * hit.normal;
+    let lift = YARN_LIFT * min(scene.yarn_radius.x, scene.yarn_radius.y);
+    return Scatter(GROUND, cell, hit.point + lift * facing, hit.t, facing, vec3<f32>(), scene.skeleton_albedo.xyz);
+}

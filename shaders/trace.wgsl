@@ -1,0 +1,148 @@
+// ENTRY trace_main: adds samples to pixels. One thread follows the paths of one pixel.
+//
+// The paper's §6 traces each ray in steps 3 to 6; they are named below. (Steps 1 and 2, the skeleton with its stitch
+// pattern and the loop frames, are scene::compile's.) With more than one scattering the light that arrives at a point
+// of the pile comes from other points as well: paths go on through the same medium by `tracked`.
+
+// Low and high word of each of the COUNT_* totals.
+@group(1) @binding(3) var<storage, read_write> totals: array<atomic<u32>>;
+
+fn add_total(which: u32, amount: u32) {
+    let before = atomicAdd(&totals[2u * which], amount);
+    if before + amount < before {
+        atomicAdd(&totals[2u * which + 1u], 1u);
+    }
+}
+
+// The share of light that reaches a scattering point from a direction.
+fn visibility(at: Scatter, towards_light: vec3<f32>, bounce: u32, random: ptr<function, Pcg>) -> f32 {
+    if COUNTERS {
+        count_shadow_rays += 1u;
+    }
+    let ray = ray_from(at.cell, at.point, towards_light);
+    if METHOD == METHOD_TRACKED {
+        return track_visibility(ray, random);
+    }
+    if LONG_PATHS {
+        if bounce > 1u {
+            return track_visibility(ray, random);
+        }
+    }
+    return composite_visibility(ray);
+}
+
+struct Path {
+    radiance: vec3<f32>,
+    // The first scattering.
+    first: Scatter,
+}
+
+fn trace_path(ray: Ray, film: vec4<f32>, seed: u32, sample: u32) -> Path {
+    var random = pcg_new(seed, sample);
+    if COUNTERS {
+        count_rays += 1u;
+    }
+    // Steps 3, 4 and 5: the camera ray through loops (3: where they reflect, 4: what they let through), skeleton and
+    // the loops of the other side (5). A ray picks one event of all that it meets, with its share of the light.
+    var at: Scatter;
+    if METHOD == METHOD_TRACKED {
+        at = track(ray, &random);
+    } else {
+        at = composite_first(ray, 1.0 - film.z);
+    }
+    var path = Path(vec3<f32>(), at);
+    if at.what == NOTHING {
+        path.radiance = scene.background.xyz;
+        return path;
+    }
+
+    // Step 6: the sum of what arrives there and is scattered towards the eye, over all lights and all ways.
+    var throughput = vec3<f32>(1.0);
+    var towards_eye = -ray.direction;
+    for (var bounce = 1u; bounce <= slice.bounces; bounce++) {
+        for (var i = 0u; i < SUN_COUNT; i++) {
+            let sun = scene.suns[i];
+            let towards_sun = sun_direction(sun, sample_set(seed, sample, set_at(bounce, i)).xy);
+            let share = scattered(at, towards_eye, towards_sun);
+            if max(max(share.x, share.y), share.z) > 0.0 {
+                let visible = visibility(at, towards_sun, bounce, &random);
+                path.radiance += throughput * share * sun.irradiance.xyz * visible;
+            }
+        }
+        let direct = METHOD != METHOD_TRACKED && bounce == 1u;
+        if ENVIRONMENT && direct {
+            let drawn = draw_direction(at, towards_eye, sample_set(seed, sample, set_at(bounce, SET_ENVIRONMENT)).xy);
+            let visible = visibility(at, drawn.direction, bounce, &random);
+            path.radiance += throughput * drawn.weight * environment_radiance() * visible;
+        }
+
+        // The way on: to the environment if it escapes, else to the next scattering.
+        let last = bounce == slice.bounces;
+        if last && (direct || !ENVIRONMENT) {
+            break;
+        }
+        if !LONG_PATHS && METHOD != METHOD_TRACKED {
+            break;
+        }
+        let onward = sample_set(seed, sample, set_at(bounce, SET_ONWARD));
+        let drawn = draw_direction(at, towards_eye, onward.xy);
+        throughput *= drawn.weight;
+        if bounce >= 3u {
+            let survival = min(max(max(throughput.x, throughput.y), throughput.z), 1.0);
+            if onward.z >= survival {
+                break;
+            }
+            throughput /= survival;
+        }
+        if COUNTERS {
+            count_rays += 1u;
+        }
+        at = track(ray_from(at.cell, at.point, drawn.direction), &random);
+        if at.what == NOTHING {
+            if !direct {
+                path.radiance += throughput * environment_radiance();
+            }
+            break;
+        }
+        towards_eye = -drawn.direction;
+    }
+    return path;
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn trace_main(@builtin(global_invocation_id) id: vec3<u32>) {
+    let tile = slice.first_tile + id.x / slice.pixels_per_tile;
+    let in_tile = pixel_of_rank(id.x % slice.pixels_per_tile);
+    let in_picture = tile_corner(tile) + in_tile;
+    if tile >= slice.end_tile || any(in_picture >= slice.size) {
+        return;
+    }
+    let seed = pixel_seed(slice.seed, slice.corner + in_picture);
+    let first_sum = sum_index(tile, in_tile);
+    for (var sample = slice.first_sample; sample < slice.end_sample; sample++) {
+        let film = sample_set(seed, sample, SET_FILM);
+        // Tiles' reference points are their centres.
+        let offset = vec2<f32>(in_tile) - 0.5 * f32(TILE) + film.xy;
+        let camera = camera_ray(tile, offset);
+        let path = trace_path(camera.ray, film, seed, sample);
+        let met = path.first.what != NOTHING;
+        sums[first_sum + SUM_COLOUR] += vec4<f32>(path.radiance, f32(met));
+        // Rec. 709.
+        let luminance = dot(path.radiance, vec3<f32>(0.2126, 0.7152, 0.0722));
+        let scramble = vec4<u32>(sample % SCRAMBLES) == vec4<u32>(0u, 1u, 2u, 3u);
+        sums[first_sum + SUM_LUMINANCE] += select(vec4<f32>(), vec4<f32>(luminance), scramble);
+        if AOV && met {
+            let facing = select(-1.0, 1.0, dot(path.first.normal, camera.ray.direction) <= 0.0) * path.first.normal;
+            sums[first_sum + SUM_NORMAL] += vec4<f32>(facing, camera.from_eye + path.first.t);
+            sums[first_sum + SUM_ALBEDO] += vec4<f32>(path.first.albedo, 1.0);
+        }
+    }
+    if COUNTERS {
+        add_total(COUNT_RAYS, count_rays);
+        add_total(COUNT_SHADOW_RAYS, count_shadow_rays);
+        add_total(COUNT_CELLS, count_cells);
+        add_total(COUNT_PATCH_TESTS, count_patch_tests);
+        add_total(COUNT_VOLUME_SAMPLES, count_volume_samples);
+        add_total(COUNT_CONTRIBUTING_HITS, count_contributing_hits);
+    }
+}

@@ -1,0 +1,165 @@
+// Method `tracked` (MODEL.md §9): delta tracking (Woodcock 1965) through the summed densities of overlapping loops,
+// and ratio tracking (Novák et al. 2014) for shadow rays. Unbiased; each cell has its own majorant.
+
+// Densities at a point, summed over the loops of a cell.
+struct Overlap {
+    // Σ density_k·ρ_k · min(1, 1.5/Σρ_k), 1/mm.
+    extinction: f32,
+    // One of the loops, drawn in proportion to density_k·ρ_k, and where the point is in it.
+    index: u32,
+    shade: f32,
+    at: vec3<f32>,
+}
+
+// Where loops overlap yarns displace each other: the sum of ρ is held to this.
+const CROWDED: f32 = 1.5;
+// A mean free path below 1/256 mm cannot be told from a surface; denser yarn collides at once where it begins, and
+// tracking through the empty parts beside it stays affordable.
+const MAX_MAJORANT: f32 = 256.0;
+// Collisions, real or null, within one cell. At MAX_MAJORANT this is a path of 64 mm through one cell.
+const MAX_COLLISIONS: u32 = 16384u;
+
+// `point` is relative to the cell `place`.
+fn overlap_at(place: vec2<i32>, cell: Cell, point: vec3<f32>, random: ptr<function, Pcg>) -> Overlap {
+    var weights = 0.0;
+    var rho_sum = 0.0;
+    var result = Overlap(0.0, 0u, 0.0, vec3<f32>());
+    for (var i = cell.entries_start; i < cell.entries_end; i++) {
+        let entry = open_entry(cell, i);
+        if point.z < entry.low || point.z > entry.high {
+            continue;
+        }
+        if COUNTERS {
+            count_patch_tests += 1u;
+        }
+        let index = loop_index(entry, place);
+        let shape = load_patch(index);
+        let in_loop_cell = vec3<f32>(point.xy - vec2<f32>(entry.offset) * scene.pitch, point.z);
+        let at = invert_point(shape, patch_normal(shape), in_loop_cell);
+        if any(abs(at - vec3<f32>(0.5, 0.5, 0.0)) > vec3<f32>(0.5)) {
+            continue;
+        }
+        let yarn = load_yarn(index);
+        let rho = sample_density(yarn, at.x, at.y, layer_at(at.z));
+        let weight = yarn.density * rho.x;
+        if weight <= 0.0 {
+            continue;
+        }
+        let first = weights == 0.0;
+        weights += weight;
+        rho_sum += rho.x;
+        if first || pcg_next(random) * weights < weight {
+            result.index = index;
+            result.shade = rho.y / rho.x;
+            result.at = at;
+        }
+    }
+    result.extinction = weights * min(1.0, CROWDED / max(rho_sum, 1.0e-6));
+    return result;
+}
+
+fn majorant(cell: Cell) -> f32 {
+    let crowded = select(1.0, CROWDED, cell.entries_end > cell.entries_start + 1u);
+    return min(scene.max_density * crowded, MAX_MAJORANT);
+}
+
+// The part of a ray between two distances that is within the height range of a cell.
+fn within_heights(ray: Ray, cell: Cell, t_from: f32, t_to: f32) -> vec2<f32> {
+    let inverse = 1.0 / select(ray.direction.z, PARALLEL, abs(ray.direction.z) < PARALLEL);
+    let a = (cell.low - ray.origin.z) * inverse;
+    let b = (cell.high - ray.origin.z) * inverse;
+    return vec2<f32>(max(t_from, min(a, b)), min(t_to, max(a, b)));
+}
+
+fn free_path(mean: f32, random: ptr<function, Pcg>) -> f32 {
+    // 1 − random is in (0, 1], so the logarithm is finite.
+    return -log(1.0 - pcg_next(random)) * mean;
+}
+
+// The next collision of a ray, or the ground yarn it meets, or nothing.
+fn track(ray: Ray, random: ptr<function, Pcg>) -> Scatter {
+    var walk = walk_begin(ray);
+    let limit = walk_limit();
+    for (var n = 0u; n < limit && walk_goes_on(walk); n++) {
+        if COUNTERS {
+            count_cells += 1u;
+        }
+        let origin = origin_in_cell(ray, walk.cell);
+        let ground = skeleton_hit(walk.cell, origin, ray.direction, walk.t_enter, walk.t_exit);
+        let t_to = min(walk.t_exit, ground.t);
+        let cell = open_cell(ray, walk.cell, walk.t_enter, t_to);
+        let rate = majorant(cell);
+        if cell.entries_start < cell.entries_end && rate > 0.0 {
+            let range = within_heights(ray, cell, walk.t_enter, t_to);
+            var t = range.x;
+            for (var k = 0u; k < MAX_COLLISIONS; k++) {
+                t += free_path(1.0 / rate, random);
+                if t >= range.y {
+                    break;
+                }
+                let overlap = overlap_at(walk.cell, cell, origin + t * ray.direction, random);
+                if overlap.extinction > 0.0 && pcg_next(random) * rate < overlap.extinction {
+                    if COUNTERS {
+                        count_contributing_hits += 1u;
+                    }
+                    let shape = load_patch(overlap.index);
+                    let hit = Gathered(1.0, t, overlap.shade, overlap.at);
+                    return pile_scatter(ray, hit, shape, patch_normal(shape), load_yarn(overlap.index));
+                }
+            }
+        }
+        if ground.t < FAR {
+            return ground_scatter(ray, walk.cell, ground);
+        }
+        walk_step(ray, &walk);
+    }
+    return no_scatter();
+}
+
+// Below this visibility a shadow ray goes on with ROULETTE_SURVIVAL only, and counts for more.
+const ROULETTE_BELOW: f32 = 0.05;
+const ROULETTE_SURVIVAL: f32 = 0.25;
+
+// An unbiased estimate of the share of light that passes along a ray.
+fn track_visibility(ray: Ray, random: ptr<function, Pcg>) -> f32 {
+    var walk = walk_begin(ray);
+    var visible = 1.0;
+    let limit = walk_limit();
+    for (var n = 0u; n < limit && walk_goes_on(walk); n++) {
+        if COUNTERS {
+            count_cells += 1u;
+        }
+        let origin = origin_in_cell(ray, walk.cell);
+        let ground = skeleton_hit(walk.cell, origin, ray.direction, walk.t_enter, walk.t_exit);
+        if ground.t < FAR {
+            return 0.0;
+        }
+        let cell = open_cell(ray, walk.cell, walk.t_enter, walk.t_exit);
+        let rate = majorant(cell);
+        if cell.entries_start < cell.entries_end && rate > 0.0 {
+            let range = within_heights(ray, cell, walk.t_enter, walk.t_exit);
+            var t = range.x;
+            for (var k = 0u; k < MAX_COLLISIONS; k++) {
+                t += free_path(1.0 / rate, random);
+                if t >= range.y {
+                    break;
+                }
+                let overlap = overlap_at(walk.cell, cell, origin + t * ray.direction, random);
+                if overlap.extinction > 0.0 {
+                    if COUNTERS {
+                        count_contributing_hits += 1u;
+                    }
+                    visible *= max(1.0 - overlap.extinction / rate, 0.0);
+                    if visible < ROULETTE_BELOW {
+                        if visible <= 0.0 || pcg_next(random) >= ROULETTE_SURVIVAL {
+                            return 0.0;
+                        }
+                        visible /= ROULETTE_SURVIVAL;
+                    }
+                }
+            }
+        }
+        walk_step(ray, &walk);
+    }
+    return visible;
+}

@@ -1,5 +1,5 @@
 // ENTRY resolve_display: the mean so far, exposed, tone mapped and sRGB-encoded, into the texture the window shows.
-// ENTRY resolve_linear: the mean so far, linear, into a buffer that is read back. Host twin of the display: image/.
+// ENTRY resolve_linear: the mean so far, linear, into a buffer that is read back. Host twin of the display: image/display.rs.
 
 @group(1) @binding(4) var display: texture_storage_2d<rgba8unorm, write>;
 // One vec4 a pixel of the tiles of a slice, tile by tile; three with AOV.
@@ -35,9 +35,14 @@ fn srgb_encoded(linear_value: vec3<f32>) -> vec3<f32> {
     return select(high, low, linear_value <= vec3<f32>(0.0031308));
 }
 
-// Filmic curve: Narkowicz' fit of ACES (2015), with white kept at 1.
-fn filmic(x: vec3<f32>) -> vec3<f32> {
-    return clamp((x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14), vec3<f32>(0.0), vec3<f32>(1.0));
+// Linear value above which `filmic` departs from the identity; as in image/display.rs.
+const SHOULDER: f32 = 0.6;
+
+// The shoulder of a film's curve without its toe.
+fn filmic(light: vec3<f32>) -> vec3<f32> {
+    let room = 1.0 - SHOULDER;
+    let rolled = 1.0 - room * room / (max(light - SHOULDER, vec3<f32>(0.0)) + room);
+    return select(rolled, light, light <= vec3<f32>(SHOULDER));
 }
 
 fn displayed(radiance: vec3<f32>) -> vec3<f32> {

@@ -4,7 +4,7 @@
 //! several times as long as on the processor itself. The processor's backends need no Vulkan, not even its loader.
 
 use renderer_core::cpu::CpuBackend;
-use renderer_core::gpu::{self, AdapterSummary};
+use renderer_core::gpu::{self, AdapterSummary, GpuBackend, GpuContext};
 use renderer_core::reference::ReferenceBackend;
 use renderer_core::render::{Backend, BackendKind, RenderError};
 
@@ -45,11 +45,7 @@ pub fn make(choice: BackendChoice) -> Result<Box<dyn Backend>, RenderError> {
         _ => Vec::new(),
     };
     Ok(match resolve(choice, &adapters) {
-        BackendKind::Gpu => {
-            return Err(RenderError::NoAdapter(
-                "this build has no GPU renderer".into(),
-            ));
-        }
+        BackendKind::Gpu => Box::new(GpuBackend::new(GpuContext::headless()?)?),
         BackendKind::Cpu => Box::new(CpuBackend::default()),
         BackendKind::Reference => Box::new(ReferenceBackend::default()),
     })

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use crate::design::ToneMap;
-use crate::image::Picture;
+use crate::image::{Display, Picture};
 use crate::render::{
     Backend, BackendKind, Counters, MAX_SIDE, Progress, RenderError, RenderRequest,
 };
@@ -22,15 +22,6 @@ use super::upload::SceneBuffers;
 const LONGEST_DISPATCH: Duration = Duration::from_millis(100);
 /// Fewest samples at which an error target can end a picture: the spread of four means of fewer tells little.
 const FEWEST_FOR_ERROR: u32 = 16;
-
-/// How the mean is displayed.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Display {
-    /// Brightness, stops.
-    pub exposure: f64,
-    /// From linear light to a displayed colour.
-    pub tone_map: ToneMap,
-}
 
 /// Draws on a GPU.
 #[derive(Debug)]
@@ -251,7 +242,7 @@ impl Backend for GpuBackend {
         }
         check_size(request)?;
         self.work = None;
-        let old = self.scene.take();
+        let old = self.scene.as_ref();
         let scene = SceneBuffers::new(&self.context, &self.pipelines, &request.scene, old)?;
         self.scene = Some(scene);
         let accumulation = Accumulation::new(&self.context, request)?;

@@ -27,9 +27,9 @@ impl GpuContext {
     /// # Errors
     /// When there is no adapter that can compute.
     pub fn headless() -> Result<Self, RenderError> {
-        let adapter = Self::adapters()
+        let adapter = [wgpu::Backends::PRIMARY, wgpu::Backends::GL]
             .into_iter()
-            .min_by_key(|adapter| rank(&adapter.get_info()))
+            .find_map(best_adapter)
             .ok_or_else(|| {
                 RenderError::NoAdapter("none was found that can run compute shaders".into())
             })?;
@@ -65,19 +65,6 @@ impl GpuContext {
             context.limits.max_storage_buffers_per_shader_stage.into(),
         )?;
         Ok(context)
-    }
-
-    /// Every adapter of this machine that can compute.
-    pub fn adapters() -> Vec<wgpu::Adapter> {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-        pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()))
-            .into_iter()
-            .filter(|adapter| {
-                let flags = adapter.get_downlevel_capabilities().flags;
-                flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS)
-                    && adapter.limits().max_storage_buffers_per_shader_stage >= STORAGE_BUFFERS
-            })
-            .collect()
     }
 
     /// True where the adapter is a processor in disguise: the cpu backend is faster then.
@@ -156,14 +143,29 @@ pub fn is_software(info: &wgpu::AdapterInfo) -> bool {
     info.device_type == wgpu::DeviceType::Cpu
 }
 
+/// The best adapter behind these interfaces that can compute.
+fn best_adapter(backends: wgpu::Backends) -> Option<wgpu::Adapter> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends,
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    });
+    pollster::block_on(instance.enumerate_adapters(backends))
+        .into_iter()
+        .filter(|adapter| {
+            let flags = adapter.get_downlevel_capabilities().flags;
+            flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS)
+                && adapter.limits().max_storage_buffers_per_shader_stage >= STORAGE_BUFFERS
+        })
+        .min_by_key(|adapter| rank(&adapter.get_info()))
+}
+
 /// Smaller is better.
-fn rank(info: &wgpu::AdapterInfo) -> (u32, u32) {
-    let device = match info.device_type {
+fn rank(info: &wgpu::AdapterInfo) -> u32 {
+    match info.device_type {
         wgpu::DeviceType::DiscreteGpu => 0,
         wgpu::DeviceType::IntegratedGpu => 1,
         wgpu::DeviceType::VirtualGpu => 2,
         wgpu::DeviceType::Other => 3,
         wgpu::DeviceType::Cpu => 4,
-    };
-    (device, u32::from(info.backend == wgpu::Backend::Gl))
+    }
 }

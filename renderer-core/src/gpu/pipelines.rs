@@ -1,6 +1,7 @@
 //! Compute pipelines, made when first needed and kept.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 use crate::render::RenderError;
 
@@ -212,18 +213,16 @@ impl Pipelines {
     }
 
     /// The pipeline that adds samples, and the layout of its group 1.
-    pub fn trace(
-        &mut self,
-        context: &GpuContext,
-        needs: SceneNeeds,
-    ) -> Result<(&wgpu::ComputePipeline, &wgpu::BindGroupLayout), RenderError> {
-        if !self.traces.contains_key(&needs) {
-            let made = self
-                .trace
-                .pipeline(context, "trace_main", &needs.constants())?;
-            self.traces.insert(needs, made);
-        }
-        Ok((&self.traces[&needs], &self.trace.group))
+    pub fn trace(&mut self, context: &GpuContext, needs: SceneNeeds) -> Made<'_> {
+        let pipeline = match self.traces.entry(needs) {
+            Entry::Occupied(made) => made.into_mut(),
+            Entry::Vacant(place) => place.insert(self.trace.pipeline(
+                context,
+                "trace_main",
+                &needs.constants(),
+            )?),
+        };
+        Ok((pipeline, &self.trace.group))
     }
 
     /// The pipeline that fills the display texture.
@@ -265,9 +264,12 @@ fn made<'a>(
     entry_point: &str,
     aov: bool,
 ) -> Made<'a> {
-    if !made.contains_key(&aov) {
-        let constants = [("AOV", f64::from(u8::from(aov)))];
-        made.insert(aov, program.pipeline(context, entry_point, &constants)?);
-    }
-    Ok((&made[&aov], &program.group))
+    let pipeline = match made.entry(aov) {
+        Entry::Occupied(made) => made.into_mut(),
+        Entry::Vacant(place) => {
+            let constants = [("AOV", f64::from(u8::from(aov)))];
+            place.insert(program.pipeline(context, entry_point, &constants)?)
+        }
+    };
+    Ok((pipeline, &program.group))
 }

@@ -38,7 +38,7 @@ impl SceneBuffers {
         context: &GpuContext,
         pipelines: &Pipelines,
         scene: &Scene,
-        old: Option<Self>,
+        old: Option<&Self>,
     ) -> Result<Self, RenderError> {
         context.guarded(|| Self::upload(context, pipelines, scene, old))?
     }
@@ -47,9 +47,8 @@ impl SceneBuffers {
         context: &GpuContext,
         pipelines: &Pipelines,
         scene: &Scene,
-        old: Option<Self>,
+        old: Option<&Self>,
     ) -> Result<Self, RenderError> {
-        let old = old.as_ref();
         let kept = |same: fn(&Scene, &Scene) -> bool| old.filter(|old| same(&old.scene, scene));
         let storage = |what, bytes: &[u8]| storage_buffer(context, what, bytes);
 

@@ -21,18 +21,14 @@ pub struct GpuContext {
 const STORAGE_BUFFERS: u32 = 8;
 
 impl GpuContext {
-    /// A device of the best adapter there is: a discrete card before an integrated one before a software one, and a
-    /// modern graphics interface before OpenGL.
+    /// A device of the best adapter there is: a discrete card before an integrated one before a software one.
     ///
     /// # Errors
     /// When there is no adapter that can compute.
     pub fn headless() -> Result<Self, RenderError> {
-        let adapter = [wgpu::Backends::PRIMARY, wgpu::Backends::GL]
-            .into_iter()
-            .find_map(best_adapter)
-            .ok_or_else(|| {
-                RenderError::NoAdapter("none was found that can run compute shaders".into())
-            })?;
+        let adapter = best_adapter().ok_or_else(|| {
+            RenderError::NoAdapter("none was found that can run compute shaders".into())
+        })?;
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("towel designer"),
             required_limits: adapter.limits(),
@@ -143,8 +139,9 @@ pub fn is_software(info: &wgpu::AdapterInfo) -> bool {
     info.device_type == wgpu::DeviceType::Cpu
 }
 
-/// The best adapter behind these interfaces that can compute.
-fn best_adapter(backends: wgpu::Backends) -> Option<wgpu::Adapter> {
+/// The best adapter that can compute. OpenGL is left to windows that run on it: without one it is seldom there.
+fn best_adapter() -> Option<wgpu::Adapter> {
+    let backends = wgpu::Backends::PRIMARY;
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
         backends,
         ..wgpu::InstanceDescriptor::new_without_display_handle()

@@ -42,7 +42,8 @@ impl Random {
         loop {
             let frame = LoopFrame::new(self.patch(0.6), self.within(0.05, 0.8));
             let area = frame.patch.along_u.cross(frame.patch.along_v).length();
-            if frame.alpha.abs() + frame.beta.abs() <= 1.8 && area > 0.05 {
+            let [alpha, beta] = frame.skew();
+            if alpha.abs() + beta.abs() <= 1.8 && area > 0.05 {
                 return frame;
             }
         }

@@ -16,15 +16,10 @@ pub struct LoopFrame {
     pub normal: DVec3,
     /// h: thickness along n̂, mm.
     pub thickness: f64,
-    /// A·n̂: how far the twist lifts the patch's corners out of the plane of b and c, times 4, mm.
+    /// A·n̂: the patch's corners are a quarter of it out of the plane of b and c, mm.
     pub lift: f64,
-    /// The part of A in the plane of b and c is `alpha`·b + `beta`·c.
-    pub alpha: f64,
-    /// See `alpha`.
-    pub beta: f64,
-    /// Dual vectors of b and c in their plane: `dual_u`·b = 1, `dual_u`·c = 0, and the other way round.
-    dual_u: DVec3,
-    dual_v: DVec3,
+    /// |b × c|, mm².
+    area: f64,
 }
 
 /// How u, v and w change along a ray, per mm.
@@ -41,26 +36,15 @@ pub struct Slopes {
 impl LoopFrame {
     /// The frame about `patch`, whose b and c are not parallel, `thickness` mm thick.
     pub fn new(patch: BilinearPatch, thickness: f64) -> Self {
-        let BilinearPatch {
-            along_u,
-            along_v,
-            twist,
-            ..
-        } = patch;
-        let area = along_u.cross(along_v);
-        let squared = area.length_squared();
-        let normal = area / squared.sqrt();
-        let dual_u = along_v.cross(area) / squared;
-        let dual_v = area.cross(along_u) / squared;
+        let product = patch.along_u.cross(patch.along_v);
+        let area = product.length();
+        let normal = product / area;
         Self {
             patch,
             normal,
             thickness,
-            lift: twist.dot(normal),
-            alpha: twist.dot(dual_u),
-            beta: twist.dot(dual_v),
-            dual_u,
-            dual_v,
+            lift: patch.twist.dot(normal),
+            area,
         }
     }
 
@@ -87,20 +71,42 @@ impl LoopFrame {
         }
     }
 
+    /// The dual vectors of b and c in their plane: the first has product 1 with b and 0 with c, the second the other
+    /// way round.
+    fn duals(&self) -> [DVec3; 2] {
+        let unit = self.normal / self.area;
+        [
+            self.patch.along_v.cross(unit),
+            unit.cross(self.patch.along_u),
+        ]
+    }
+
+    /// (α, β): the part of A in the plane of b and c is αb + βc.
+    pub fn skew(&self) -> [f64; 2] {
+        self.duals().map(|dual| self.patch.twist.dot(dual))
+    }
+
     /// Coordinates (u, v, w) of a point, if it is inside: u and v in [0, 1], w in [−½, ½]. Exact for convex frames.
     ///
     /// With p, q the coordinates of the projected point in the basis (b, c): p = u′(1 + αv′), q = v′(1 + βu′).
     pub fn invert(&self, point: DVec3) -> Option<[f64; 3]> {
         let offset = point - self.patch.centre;
         let height = offset.dot(self.normal);
-        let (p, q) = (offset.dot(self.dual_u), offset.dot(self.dual_v));
-        let linear = 1.0 + self.alpha * q - self.beta * p;
-        let discriminant = linear * linear + 4.0 * self.beta * p;
+        // Most points that are tried lie above or below the loop: the patch itself rises by a quarter of the lift.
+        if height.abs() > 0.5 * self.thickness + 0.25 * self.lift.abs() {
+            return None;
+        }
+        let [dual_u, dual_v] = self.duals();
+        let (p, q) = (offset.dot(dual_u), offset.dot(dual_v));
+        let twist = self.patch.twist;
+        let (alpha, beta) = (twist.dot(dual_u), twist.dot(dual_v));
+        let linear = 1.0 + alpha * q - beta * p;
+        let discriminant = linear * linear + 4.0 * beta * p;
         if discriminant < 0.0 {
             return None;
         }
         let u = 2.0 * p / (linear + discriminant.sqrt());
-        let v = q / (1.0 + self.beta * u);
+        let v = q / (1.0 + beta * u);
         let w = (height - u * v * self.lift) / self.thickness;
         let half = -0.5..=0.5;
         (half.contains(&u) && half.contains(&v) && half.contains(&w)).then_some([

@@ -1,9 +1,10 @@
 //! Compositing along a ray for `single` and `layered`: which event a camera ray shows, and what a shadow ray lets through
 //! (MODEL.md §9; the paper's §6, steps 3 to 5).
 
+use super::layered::LayerCrossing;
 use super::single::Crossing;
-use super::volume::LoopVolume;
 use super::{CellSpan, LoopPlace, Scratch, SkeletonHit, Tracer, Vertex};
+use crate::design::Method;
 use crate::geometry::Ray;
 use crate::render::Counters;
 
@@ -24,13 +25,15 @@ pub(super) struct Event {
 enum EventKind {
     /// `single`: a loop crossed.
     Loop(LoopPlace, Crossing),
+    /// `layered`: one layer of a loop crossed.
+    Layer(LoopPlace, LayerCrossing),
     Skeleton(SkeletonHit),
 }
 
 impl Tracer {
     /// The first event at which the transmittance along a camera ray falls below `xi`, as the point that scatters; each
     /// event is chosen with its share T·opacity of the light, so that the point counts with weight 1.
-    pub(super) fn first_event(&self, ray: &Ray, xi: f64, scratch: &mut Scratch) -> Option<Vertex> {
+    pub fn first_event(&self, ray: &Ray, xi: f64, scratch: &mut Scratch) -> Option<Vertex> {
         scratch.counters.rays += 1;
         let mut transmittance = 1.0;
         for span in self.grid.walk(ray) {
@@ -44,7 +47,9 @@ impl Tracer {
                     what: EventKind::Skeleton(hit),
                 });
             }
-            let Scratch { events, counters } = scratch;
+            let Scratch {
+                events, counters, ..
+            } = scratch;
             // Step 3: all loops crossed in this cell.
             self.for_each_event(ray, &span, counters, |event| events.push(event));
             events.sort_by(|a, b| a.t.total_cmp(&b.t));
@@ -60,7 +65,7 @@ impl Tracer {
     }
 
     /// Share of light that comes through along a shadow ray.
-    pub(super) fn composited_visibility(&self, ray: &Ray, scratch: &mut Scratch) -> f64 {
+    pub fn composited_visibility(&self, ray: &Ray, scratch: &mut Scratch) -> f64 {
         scratch.counters.shadow_rays += 1;
         let mut transmittance = 1.0;
         for span in self.grid.walk(ray) {
@@ -78,12 +83,6 @@ impl Tracer {
         transmittance
     }
 
-    /// The skeleton in one cell.
-    pub(super) fn skeleton_hit(&self, ray: &Ray, span: &CellSpan) -> Option<SkeletonHit> {
-        let yarns = self.yarns.as_ref()?;
-        yarns.hit(&self.grid, ray, span, self.cell_origin(span.cell))
-    }
-
     /// The events of loops whose place on the ray lies in `span`.
     fn for_each_event(
         &self,
@@ -95,20 +94,34 @@ impl Tracer {
         let layers = self.scene.volumes.layers;
         for place in self.loops_in(span.cell).within(span.heights(ray)) {
             let ray = ray.relative_to(self.cell_origin(place.cell));
-            self.for_each_crossing(&ray, place, counters, |crossing, counters| {
-                if !span.holds(crossing.t()) {
-                    return;
-                }
-                let depth = crossing.optical_depth(&self.volume(place), layers, counters);
+            let volume = self.volume(place);
+            let mut event = |t: f64, depth: f64, what: EventKind, counters: &mut Counters| {
                 if depth > 0.0 {
                     counters.contributing_hits += 1;
                     found(Event {
-                        t: crossing.t(),
+                        t,
                         opacity: -(-depth).exp_m1(),
-                        what: EventKind::Loop(place, crossing),
+                        what,
                     });
                 }
-            });
+            };
+            if self.settings.method == Method::Layered {
+                self.for_each_layer(&ray, place, counters, |crossing, counters| {
+                    if span.holds(crossing.t()) {
+                        let depth = crossing.optical_depth(&volume, counters);
+                        let what = EventKind::Layer(place, crossing);
+                        event(crossing.t(), depth, what, counters);
+                    }
+                });
+            } else {
+                self.for_each_crossing(&ray, place, counters, |crossing, counters| {
+                    if span.holds(crossing.t()) {
+                        let depth = crossing.optical_depth(&volume, layers, counters);
+                        let what = EventKind::Loop(place, crossing);
+                        event(crossing.t(), depth, what, counters);
+                    }
+                });
+            }
         }
     }
 
@@ -116,9 +129,12 @@ impl Tracer {
     fn vertex_of(&self, ray: &Ray, event: &Event) -> Vertex {
         match event.what {
             EventKind::Loop(place, crossing) => {
-                let volume: LoopVolume<'_> = self.volume(place);
-                let mean = crossing.mean_point(&volume, self.scene.volumes.layers);
+                let mean = crossing.mean_point(&self.volume(place), self.scene.volumes.layers);
                 self.loop_vertex(ray, place, mean.t, mean.place, mean.shade)
+            }
+            EventKind::Layer(place, crossing) => {
+                let shade = self.volume(place).at(crossing.place()).shade;
+                self.loop_vertex(ray, place, crossing.t_middle(), crossing.place(), shade)
             }
             EventKind::Skeleton(hit) => self.skeleton_vertex(ray, hit),
         }

@@ -2,9 +2,9 @@
 //!
 //! The paper's §6 has six steps. Steps 1 and 2, skeleton and loop frames, are [`crate::scene`]'s. For each ray:
 //!
-//! - step 3, reflection of the yarn loops the ray crosses: `single` finds the crossings of a loop, `scatter` says how the chosen point scatters;
+//! - step 3, reflection of the yarn loops the ray crosses: `single` and `layered` find the crossings of a loop, `scatter` says how the chosen point scatters;
 //! - step 4, transmission through the loops: `first_event` composites crossings front to back, and shadow rays
-//!   multiply what they let through;
+//!   multiply what they let through; `tracked` does both with random free paths instead;
 //! - step 5, the skeleton and the loops on its other side, seen through its gaps: `skeleton`, and the one grid
 //!   walk (`walk`) over loops of both faces;
 //! - step 6, the sum of all these: `path`.
@@ -13,16 +13,19 @@
 
 mod backend;
 mod first_event;
+mod layered;
+mod lookup;
 mod path;
 mod scatter;
 mod single;
 mod skeleton;
+mod tracked;
 mod volume;
 mod walk;
 
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 
 use crate::geometry::Ray;
 use crate::render::accumulation::Sample;
@@ -44,6 +47,8 @@ pub struct Tracer {
     grid: Grid,
     yarns: Option<Yarns>,
     optics: Optics,
+    /// Extinction of the densest material, 1/mm.
+    densest_per_mm: f64,
 }
 
 /// Memory that rays reuse, one for each thread, and what they counted.
@@ -52,6 +57,7 @@ pub struct Scratch {
     /// Work done since it was last taken.
     pub counters: Counters,
     events: Vec<first_event::Event>,
+    overlaps: Vec<tracked::Overlap>,
 }
 
 impl AsMut<Counters> for Scratch {
@@ -68,12 +74,15 @@ impl Tracer {
             .skeleton
             .visible
             .then(|| Yarns::new(&scene.sheet, &scene.skeleton));
+        let materials = scene.pile.materials.iter();
+        let densest = materials.fold(0.0, |d: f64, m| d.max(f64::from(m.density_per_mm)));
         Self {
             camera: request.camera,
             size: request.size,
             settings: request.settings,
             grid: Grid::new(&scene.sheet, &scene.loops, yarns.as_ref()),
             optics: Optics::new(&scene.pile),
+            densest_per_mm: densest,
             yarns,
             scene,
         }
@@ -93,11 +102,5 @@ impl Tracer {
     /// The grid of cells.
     pub fn grid(&self) -> &Grid {
         &self.grid
-    }
-
-    /// World position of the origin of coordinates of a loop planted in `cell`.
-    fn cell_origin(&self, [i, j]: [i64; 2]) -> DVec3 {
-        let [x, y] = self.scene.sheet.cell_centre(i, j);
-        DVec3::new(x, y, 0.0)
     }
 }

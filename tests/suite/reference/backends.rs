@@ -183,21 +183,22 @@ fn targets_may_grow_without_a_new_start() {
 #[test]
 fn an_error_target_ends_at_a_power_of_two() {
     let mut request = request(Method::Single);
-    (request.settings.samples, request.settings.error) = (1 << 16, 0.05);
+    request.settings.bounces = 1;
+    (request.settings.samples, request.settings.error) = (1 << 16, 0.15);
     let mut cpu = CpuBackend::default();
     cpu.begin(&request).expect("a valid size");
     let progress = finish(&mut cpu, FOREVER);
     assert!(
-        progress.samples.is_power_of_two() && progress.samples < 1 << 12,
+        progress.samples.is_power_of_two() && progress.samples < 1 << 10,
         "{progress:?}"
     );
     let estimate = progress.error_estimate.expect("enough samples");
-    assert!(estimate <= 0.05, "{estimate}");
+    assert!(estimate <= 0.15, "{estimate}");
     let picture = cpu.picture().expect("no device can fail");
 
-    // The estimate tells the true error: against 16 times the samples (an error 4 times smaller). The estimate's own
-    // spread over 2745 pixels of uneven noise is some 10 %.
-    (request.settings.samples, request.settings.error) = (16 * progress.samples, 0.0);
+    // The estimate tells the true error: against 8 times the samples (an error 2.8 times smaller, which adds
+    // 6 %). The estimate's own spread over 2745 pixels of uneven noise is some 10 %.
+    (request.settings.samples, request.settings.error) = (8 * progress.samples, 0.0);
     request.settings.seed += 1;
     let truth = render(&mut CpuBackend::default(), &request, FOREVER);
     let luminance = |p: &[f32; 4]| f64::from(0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2]);

@@ -1,0 +1,90 @@
+//! From the scene's records to what rays meet: patches, frames, volumes, yarns, and the points that scatter.
+
+use glam::DVec3;
+
+use super::volume::LoopVolume;
+use super::walk::{CellLoops, CellSpan, LoopPlace, patch_of};
+use super::{Lobe, SkeletonHit, Tracer, Vertex};
+use crate::design::Phase;
+use crate::geometry::{BilinearPatch, LoopFrame, Ray};
+
+impl Tracer {
+    /// World position of the origin of coordinates of a loop planted in `cell`.
+    pub(super) fn cell_origin(&self, [i, j]: [i64; 2]) -> DVec3 {
+        let [x, y] = self.scene.sheet.cell_centre(i, j);
+        DVec3::new(x, y, 0.0)
+    }
+
+    /// The skeleton in one cell.
+    pub(super) fn skeleton_hit(&self, ray: &Ray, span: &CellSpan) -> Option<SkeletonHit> {
+        let yarns = self.yarns.as_ref()?;
+        yarns.hit(&self.grid, ray, span, self.cell_origin(span.cell))
+    }
+
+    /// The loops listed in a cell.
+    pub(super) fn loops_in(&self, cell: [i64; 2]) -> CellLoops<'_> {
+        CellLoops::new(&self.scene.sheet, &self.scene.loops, cell)
+    }
+
+    /// A loop's patch, relative to its own cell.
+    pub(super) fn patch(&self, place: LoopPlace) -> BilinearPatch {
+        let loops = &self.scene.loops;
+        patch_of(&loops.shapes[place.index], loops.base_width_mm)
+    }
+
+    /// The frame about a loop's patch.
+    pub(super) fn frame(&self, patch: BilinearPatch) -> LoopFrame {
+        LoopFrame::new(patch, f64::from(self.scene.loops.thickness_mm))
+    }
+
+    /// A loop's volume.
+    pub(super) fn volume(&self, place: LoopPlace) -> LoopVolume<'_> {
+        let look = self.scene.looks[place.index];
+        LoopVolume::new(&self.scene.volumes, &self.scene.pile, look)
+    }
+
+    /// The point of a loop at distance `t` of `ray` and at (u, v, w) inside the loop, as a scatterer.
+    pub(super) fn loop_vertex(
+        &self,
+        ray: &Ray,
+        place: LoopPlace,
+        t: f64,
+        inside: [f64; 3],
+        shade: f64,
+    ) -> Vertex {
+        let frame = self.frame(self.patch(place));
+        let lobe = match self.optics.phase() {
+            Phase::Isotropic => Lobe::Isotropic,
+            Phase::FrameLambert => Lobe::Frame(frame.normal),
+            Phase::KajiyaKay => {
+                let tangent = self.volume(place).tangent(inside);
+                let [along_u, along_v, along_w] = frame.jacobian(inside[0], inside[1]);
+                let world = along_u * tangent.x + along_v * tangent.y + along_w * tangent.z;
+                Lobe::Fibre(world.normalize_or(frame.normal))
+            }
+        };
+        let albedo = DVec3::from_array(self.scene.looks[place.index].albedo());
+        Vertex {
+            position: ray.at(t),
+            t,
+            normal: if frame.normal.dot(ray.direction) > 0.0 {
+                -frame.normal
+            } else {
+                frame.normal
+            },
+            albedo: albedo * shade,
+            lobe,
+        }
+    }
+
+    /// A point of the skeleton as a scatterer.
+    pub(super) fn skeleton_vertex(&self, ray: &Ray, hit: SkeletonHit) -> Vertex {
+        Vertex {
+            position: ray.at(hit.t),
+            t: hit.t,
+            normal: hit.normal,
+            albedo: DVec3::from_array(self.scene.skeleton.albedo.map(f64::from)),
+            lobe: Lobe::Surface(hit.normal),
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! `tracked`: random free paths through the summed densities of all loops (Woodcock's delta tracking), and their
+//! expected transmittance for shadow rays (ratio tracking). Unbiased, without a step, overlaps exact (MODEL.md §9).
+//!
+//! Where loops overlap, σ = Σ density_k·ρ_k · min(1, 1.5/Σρ_k) (MODEL.md §5). In a cell that lists one loop σ is at most the
+//! densest material's, else 1.5 times that: the cell's majorant. A free path is one optical depth −ln(1 − u) spent
+//! cell by cell at the majorant's rate; where it is spent, the ray collides with probability σ/majorant, otherwise it
+//! draws the next one. Outside a cell's range of heights nothing is spent.
+
+use std::ops::ControlFlow;
+
+use glam::DVec3;
+
+use super::walk::CellLoops;
+use super::{LoopPlace, Scratch, SkeletonHit, Tracer, Vertex};
+use crate::geometry::{Interval, Ray};
+use crate::sampling::Pcg;
+
+/// How many times denser than one solid yarn overlapping yarns may be.
+const MOST_OVERLAP: f64 = 1.5;
+
+/// Transmittance of a shadow ray below which every second one ends and the other counts twice.
+const ROULETTE_BELOW: f64 = 1.0 / 16.0;
+
+/// One loop at a point.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Overlap {
+    place: LoopPlace,
+    /// u, v and w of the point.
+    inside: [f64; 3],
+    /// Extinction by this loop, 1/mm.
+    sigma: f64,
+    /// Factor on the albedo.
+    shade: f64,
+}
+
+/// A place where a ray may collide.
+struct Tentative {
+    t: f64,
+    /// The cell's majorant, 1/mm.
+    majorant: f64,
+    /// σ there, 1/mm.
+    sigma: f64,
+}
+
+impl Tracer {
+    /// σ at a point, and the loops that make it, each with its share of σ; `point` lies in the cell of `loops`.
+    fn overlaps_at(&self, point: DVec3, loops: &CellLoops<'_>, scratch: &mut Scratch) -> f64 {
+        let Scratch {
+            counters, overlaps, ..
+        } = scratch;
+        overlaps.clear();
+        let mut sum_rho = 0.0;
+        for place in loops.within(Interval::new(point.z, point.z)) {
+            counters.patch_tests += 1;
+            let frame = self.frame(self.patch(place));
+            let Some(inside) = frame.invert(point - self.cell_origin(place.cell)) else {
+                continue;
+            };
+            counters.volume_samples += 1;
+            let volume = self.volume(place);
+            let found = volume.at(inside);
+            if found.rho > 0.0 {
+                sum_rho += found.rho;
+                overlaps.push(Overlap {
+                    place,
+                    inside,
+                    sigma: volume.density_per_mm * found.rho,
+                    shade: found.shade,
+                });
+            }
+        }
+        let crowding = if sum_rho > MOST_OVERLAP {
+            MOST_OVERLAP / sum_rho
+        } else {
+            1.0
+        };
+        let mut sigma = 0.0;
+        for overlap in overlaps {
+            overlap.sigma *= crowding;
+            sigma += overlap.sigma;
+        }
+        sigma
+    }
+
+    /// σ at a point of the world, 1/mm.
+    pub fn extinction(&self, point: DVec3, scratch: &mut Scratch) -> f64 {
+        let loops = self.loops_in(self.grid.cell_at(point.x, point.y));
+        self.overlaps_at(point, &loops, scratch)
+    }
+
+    /// Calls `collide` at the tentative collisions of a ray, in order, until it breaks or the ray meets the skeleton or
+    /// leaves the cloth; the skeleton's hit if it got there.
+    fn track(
+        &self,
+        ray: &Ray,
+        pcg: &mut Pcg,
+        scratch: &mut Scratch,
+        mut collide: impl FnMut(&Tentative, &mut Pcg, &mut Scratch) -> ControlFlow<()>,
+    ) -> Option<SkeletonHit> {
+        let mut depth_left = free_depth(pcg);
+        for span in self.grid.walk(ray) {
+            scratch.counters.cells += 1;
+            let skeleton = self.skeleton_hit(ray, &span);
+            let end = skeleton.map_or(span.leave, |hit| hit.t);
+            let loops = self.loops_in(span.cell);
+            let part = Interval::new(span.enter, end).clip_linear(
+                ray.origin.z,
+                ray.direction.z,
+                loops.heights,
+            );
+            let majorant = match loops.count() {
+                0 => 0.0,
+                1 => self.densest_per_mm,
+                _ => MOST_OVERLAP * self.densest_per_mm,
+            };
+            let mut t = part.low;
+            // Also false where the part is empty.
+            while majorant > 0.0 && t < part.high {
+                let collision = t + depth_left / majorant;
+                if collision >= part.high {
+                    depth_left -= (part.high - t) * majorant;
+                    break;
+                }
+                t = collision;
+                let sigma = self.overlaps_at(ray.at(t), &loops, scratch);
+                if sigma > 0.0 {
+                    let tentative = Tentative { t, majorant, sigma };
+                    if collide(&tentative, pcg, scratch).is_break() {
+                        return None;
+                    }
+                }
+                depth_left = free_depth(pcg);
+            }
+            if skeleton.is_some() {
+                return skeleton;
+            }
+        }
+        None
+    }
+
+    /// Where a ray collides, by delta tracking; `None` if it leaves the cloth.
+    pub fn collision(&self, ray: &Ray, pcg: &mut Pcg, scratch: &mut Scratch) -> Option<Vertex> {
+        scratch.counters.rays += 1;
+        let mut vertex = None;
+        let skeleton = self.track(ray, pcg, scratch, |tentative, pcg, scratch| {
+            // One number decides both whether it collides and with which loop: with each in proportion to its part of σ.
+            let mut rest = f64::from(pcg.next_float()) * tentative.majorant;
+            if rest >= tentative.sigma {
+                return ControlFlow::Continue(());
+            }
+            scratch.counters.contributing_hits += 1;
+            let mut chosen = None;
+            for overlap in &scratch.overlaps {
+                chosen = Some(overlap);
+                rest -= overlap.sigma;
+                if rest < 0.0 {
+                    break;
+                }
+            }
+            vertex = chosen.map(
+                |&Overlap {
+                     place,
+                     inside,
+                     shade,
+                     ..
+                 }| { self.loop_vertex(ray, place, tentative.t, inside, shade) },
+            );
+            ControlFlow::Break(())
+        });
+        vertex.or_else(|| skeleton.map(|hit| self.skeleton_vertex(ray, hit)))
+    }
+
+    /// Share of light that comes through along a shadow ray, by ratio tracking: random, with the right mean.
+    pub fn tracked_visibility(&self, ray: &Ray, pcg: &mut Pcg, scratch: &mut Scratch) -> f64 {
+        scratch.counters.shadow_rays += 1;
+        let mut transmittance = 1.0;
+        let skeleton = self.track(ray, pcg, scratch, |tentative, pcg, scratch| {
+            scratch.counters.contributing_hits += 1;
+            transmittance *= 1.0 - tentative.sigma / tentative.majorant;
+            if transmittance < ROULETTE_BELOW {
+                if pcg.next_float() < 0.5 {
+                    transmittance = 0.0;
+                    return ControlFlow::Break(());
+                }
+                transmittance *= 2.0;
+            }
+            ControlFlow::Continue(())
+        });
+        if skeleton.is_some() {
+            0.0
+        } else {
+            transmittance
+        }
+    }
+}
+
+/// A random optical depth with density e^−x.
+fn free_depth(pcg: &mut Pcg) -> f64 {
+    -(-f64::from(pcg.next_float())).ln_1p()
+}

@@ -142,6 +142,7 @@ fn the_table_gives_the_nearest_colours_length_and_material() {
             row([200, 30, 30], 2.0, None, None),
             row([30, 30, 200], 4.0, Some(3.0), Some(PileKind::Cut)),
             row([255, 255, 255], 0.0, None, None),
+            row([0, 140, 20], 3.0, None, None),
         ],
         ..Length::default()
     };
@@ -152,6 +153,9 @@ fn the_table_gives_the_nearest_colours_length_and_material() {
         ([60, 80, 190], 1),
         ([0, 0, 60], 1),
         ([230, 230, 220], 2),
+        ([40, 150, 40], 3),
+        // As light as the green row, but red.
+        ([210, 60, 20], 0),
         // In sRGB this blue is nearer to white; in Oklab its hue counts.
         ([120, 140, 255], 1),
     ] {

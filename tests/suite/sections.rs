@@ -93,7 +93,7 @@ fn every_number(design: &Design) -> Vec<(String, f64, &'static [&'static str])> 
                 ("skeleton", "weft_radius") => &["skeleton"],
                 ("skeleton", _) => &["loops", "skeleton"],
                 ("light.sun[0]" | "light.environment", _) => &["lights"],
-                // View and quality belong to the request.
+                // View and quality belong to the request; bounces matter to colours, but white is at its cap already.
                 _ => &[],
             };
             all.push((format!("{section}.{}", field.name), other, sections));
@@ -131,6 +131,9 @@ fn choices_change_their_sections_and_no_other() {
         ("length.map", "gray", &["loops", "volumes"]),
         ("length.curve", "[[0.0, 0.0], [1.0, 0.5]]", &[]),
         ("pile.kind", "cut", &["volumes"]),
+        ("pile.phase", "frame_lambert", &["pile"]),
+        // Only fibres need their directions in the volumes.
+        ("pile.phase", "kajiya_kay", &["volumes", "pile"]),
         ("pile.interpolation", "nearest", &["volumes"]),
         ("turbulence.kind", "worley", &["loops"]),
         ("turbulence.filter", "box", &["loops"]),
@@ -148,6 +151,16 @@ fn choices_change_their_sections_and_no_other() {
         });
         assert_eq!(found, sections, "{path} = {value}");
     }
+}
+
+#[test]
+fn bounces_decide_how_bright_fibres_must_be_for_a_colour() {
+    let mut base = small();
+    base.chart.colour = Colour([90, 120, 160]);
+    assert_eq!(
+        changed_by(&base, |design| design.quality.bounces = 1),
+        ["looks"]
+    );
 }
 
 fn painted(colour: [u8; 4]) -> Option<ChartImage> {

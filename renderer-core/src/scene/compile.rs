@@ -3,18 +3,18 @@
 //! Each section has inputs; if they equal those of the last design, it keeps its `Arc`. Which parts of a design a section
 //! depends on:
 //!
-//! | section  | sheet | weave | chart, length            | pile                  | turbulence | skeleton     | light |
-//! | -------- | ----- | ----- | ------------------------ | --------------------- | ---------- | ------------ | ----- |
-//! | sheet    | ×     |       |                          |                       |            |              |       |
-//! | loops    | ×     | ×     | each cell's length       | shape of frames       | ×          | yarns' shape |       |
-//! | looks    | ×     | ×     | colours, table           | albedo, variants      | seed       |              |       |
-//! | volumes  |       |       | reference length, kinds  | yarn, volume          |            |              |       |
-//! | pile     |       |       | table                    | phase, density        |            |              |       |
-//! | skeleton |       | ×     |                          |                       |            | ×            |       |
-//! | lights   |       |       |                          |                       |            |              | ×     |
+//! | section  | sheet | weave | chart, length           | pile             | turbulence | skeleton     | light | quality |
+//! | -------- | ----- | ----- | ----------------------- | ---------------- | ---------- | ------------ | ----- | ------- |
+//! | sheet    | ×     |       |                         |                  |            |              |       |         |
+//! | loops    | ×     | ×     | each cell's length      | shape of frames  | ×          | yarns' shape |       |         |
+//! | looks    | ×     | ×     | colours, table          | albedo, variants | seed       |              |       | bounces |
+//! | volumes  |       |       | reference length, kinds | yarn, volume     |            |              |       |         |
+//! | pile     |       |       | table                   | phase, density   |            |              |       |         |
+//! | skeleton |       | ×     |                         |                  |            | ×            |       |         |
+//! | lights   |       |       |                         |                  |            |              | ×     |         |
 //!
-//! View and quality belong to requests; of them only `quality.bounces` matters here, to the looks' albedos. Sections that are cheap are made anew and kept when
-//! equal; loops, looks and volumes have their inputs compared.
+//! The view and the rest of quality belong to requests; no section depends on them. Sections that are cheap are made
+//! anew and kept when equal; loops, looks and volumes have their inputs compared.
 
 use std::sync::Arc;
 
@@ -33,7 +33,7 @@ use super::{
     Volumes,
 };
 use crate::design::{
-    Back, Chart, Design, Fault, Filter, Length, Pile, PileKind, Turbulence, Weave,
+    Back, Chart, Design, Fault, Filter, Length, Phase, Pile, PileKind, Turbulence, Weave,
 };
 
 /// Why a design has no scene.
@@ -275,6 +275,11 @@ impl VolumesInputs {
             transmission: defaults.transmission,
             specular: defaults.specular,
             exponent: defaults.exponent,
+            // Only fibres need their directions in the volumes.
+            phase: match design.pile.phase {
+                Phase::KajiyaKay => Phase::KajiyaKay,
+                Phase::Isotropic | Phase::FrameLambert => defaults.phase,
+            },
             ..design.pile.clone()
         };
         Self {

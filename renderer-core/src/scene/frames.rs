@@ -155,12 +155,21 @@ pub fn loop_shape(
     counts.raised += u64::from(lean_kept < angle);
     counts.repaired += u64::from(ratio != settings.top_ratio);
     let sign = input.face.sign();
-    Some(LoopShape {
+    let shape = LoopShape {
         axis: frame.axis.as_vec3().into(),
         root_z0: (sign * input.root_heights[0]) as f32,
         half_top: frame.half_top.as_vec3().into(),
         root_z1: (sign * input.root_heights[1]) as f32,
-    })
+    };
+    debug_assert!(
+        shape
+            .axis
+            .iter()
+            .chain(&shape.half_top)
+            .all(|x| x.is_finite()),
+        "{input:?} gives {shape:?}"
+    );
+    Some(shape)
 }
 
 /// A loop that stands on its roots; its lean and top ratio are still open.

@@ -82,7 +82,7 @@ impl SheetGeometry {
 
 /// The bilinear patch of one loop, relative to its cell's centre (x, y) and the sheet's plane (z), mm. 32 bytes.
 ///
-/// MODEL.md §4: P0 = (0, −w₀/2, `root_z`[0]), P1 = (0, +w₀/2, `root_z`[1]); with the axis C′ = L·d and the half top
+/// MODEL.md §4: P0 = (0, −w₀/2, `root_z0`), P1 = (0, +w₀/2, `root_z1`); with the axis C′ = L·d and the half top
 /// edge e, the top corners are P3 = ½(P0+P1) + C′ − e and P2 = ½(P0+P1) + C′ + e. Hence B = P1−P0, A = 2e − B, and in
 /// the middle of the patch b = ∂P/∂u = ½B + e, c = ∂P/∂v = C′. The thickness direction is n̂ = (b × c)/|b × c|.
 /// w₀ is [`Loops::base_width_mm`]. Loops of the back face have root heights and an axis below the sheet.

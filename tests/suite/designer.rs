@@ -1,1 +1,727 @@
-//! designer
+//! The designer driven as a user drives it, through egui_kittest: edits reach the document and the renderer's wish,
+//! undo takes them back, files come out as they went in.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, Pos2, Vec2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use renderer_core::design::{Design, LengthMap, Numbers, Pattern};
+use renderer_core::image::Picture;
+use renderer_core::render::{Backend, BackendKind, Counters, Progress, RenderError, RenderRequest};
+use towel_designer::backend::BackendChoice;
+use towel_designer::designer::panels::Panels;
+use towel_designer::designer::{App, Setup};
+use towel_designer::files;
+
+/// A backend that draws flat gray at once: these tests are about the window, not about the cloth.
+struct FlatBackend {
+    size: [u32; 2],
+    samples: u32,
+}
+
+impl Backend for FlatBackend {
+    fn kind(&self) -> BackendKind {
+        BackendKind::Reference
+    }
+
+    fn device_name(&self) -> String {
+        "flat".into()
+    }
+
+    fn begin(&mut self, request: &RenderRequest) -> Result<(), RenderError> {
+        self.size = request.size;
+        self.samples = request.settings.samples;
+        Ok(())
+    }
+
+    fn advance(&mut self, _: Duration, _: &AtomicBool) -> Result<Progress, RenderError> {
+        Ok(Progress {
+            samples: self.samples,
+            error_estimate: Some(0.0),
+            done: true,
+        })
+    }
+
+    fn picture(&mut self) -> Result<Picture, RenderError> {
+        let [width, height] = self.size;
+        Ok(Picture {
+            size: self.size,
+            pixels: vec![[0.5, 0.5, 0.5, 1.0]; (width * height) as usize],
+            aov: None,
+        })
+    }
+
+    fn counters(&mut self) -> Result<Counters, RenderError> {
+        Ok(Counters::default())
+    }
+
+    fn device_bytes(&self) -> u64 {
+        0
+    }
+}
+
+fn designer(preset: Option<PathBuf>) -> Harness<'static, App> {
+    designer_of_size(preset, vec2(1280.0, 720.0))
+}
+
+/// A designer without system dialogs, its first frames shown.
+fn designer_of_size(preset: Option<PathBuf>, size: Vec2) -> Harness<'static, App> {
+    let mut harness = Harness::builder()
+        .with_size(size)
+        .with_step_dt(1.0 / 60.0)
+        .build_eframe(|cc| {
+            let setup = Setup {
+                preset,
+                choice: BackendChoice::Auto,
+                make: Arc::new(|_| {
+                    Ok(Box::new(FlatBackend {
+                        size: [1, 1],
+                        samples: 0,
+                    }))
+                }),
+                system_dialogs: false,
+            };
+            App::new(cc, setup)
+        });
+    harness.run_steps(3);
+    harness
+}
+
+/// Shows frames until `done`; what other threads do comes after a while.
+#[track_caller]
+fn wait(harness: &mut Harness<'_, App>, what: &str, done: impl Fn(&Harness<'_, App>) -> bool) {
+    let start = Instant::now();
+    while !done(harness) {
+        assert!(
+            start.elapsed() < Duration::from_secs(30),
+            "{what} has not come"
+        );
+        std::thread::sleep(Duration::from_millis(5));
+        harness.step();
+    }
+}
+
+fn design<'h>(harness: &'h Harness<'_, App>) -> &'h Design {
+    &harness.state().document().design
+}
+
+/// The design that the renderer was last asked to draw.
+fn wished(harness: &Harness<'_, App>) -> Arc<Design> {
+    Arc::clone(&harness.state().viewport().wish().expect("a wish").design)
+}
+
+#[track_caller]
+fn click(harness: &mut Harness<'_, App>, label: &str) {
+    harness.get_by_label(label).click();
+    harness.run_steps(3);
+}
+
+/// Opens a panel that starts closed. Scrolled to first, since only what is seen can be clicked.
+#[track_caller]
+fn open_panel(harness: &mut Harness<'_, App>, title: &str) {
+    harness
+        .get_by_role_and_label(Role::DisclosureTriangle, title)
+        .scroll_to_me();
+    harness.run_steps(20);
+    harness
+        .get_by_role_and_label(Role::DisclosureTriangle, title)
+        .click();
+    harness.run_steps(20);
+}
+
+/// Types a number into the field of that name.
+#[track_caller]
+fn type_number(harness: &mut Harness<'_, App>, label: &str, text: &str) {
+    let field = harness.get_by_role_and_label(Role::SpinButton, label);
+    field.scroll_to_me();
+    harness.run_steps(4);
+    harness
+        .get_by_role_and_label(Role::SpinButton, label)
+        .click();
+    harness.run_steps(2);
+    harness.event(egui::Event::Text(text.into()));
+    harness.run_steps(1);
+    harness.key_press(Key::Enter);
+    harness.run_steps(3);
+}
+
+/// Middle of a cell of the stitch pattern on the screen, row 0 at the bottom.
+fn cell(harness: &Harness<'_, App>, col: usize, row: usize) -> Pos2 {
+    let rect = harness
+        .get_by_role_and_label(Role::Grid, "Stitch pattern")
+        .rect();
+    let pattern = &design(harness).weave.pattern;
+    let side = vec2(
+        (rect.width() - 1.0) / pattern.cols() as f32,
+        (rect.height() - 1.0) / pattern.rows() as f32,
+    );
+    let from_corner = vec2(col as f32 + 0.5, row as f32 + 0.5) * side;
+    Pos2::new(
+        rect.left() + from_corner.x,
+        rect.bottom() - 1.0 - from_corner.y,
+    )
+}
+
+#[track_caller]
+fn paint_cell(harness: &mut Harness<'_, App>, col: usize, row: usize) {
+    let at = cell(harness, col, row);
+    harness.drag_at(at);
+    harness.run_steps(1);
+    harness.drop_at(at);
+    harness.run_steps(3);
+}
+
+#[test]
+fn painting_a_cell_changes_the_picture_and_undo_takes_it_back() {
+    let mut harness = designer(None);
+    let before = design(&harness).clone();
+    assert_eq!(
+        before.weave.pattern.at(1, 0),
+        0,
+        "the default pattern has changed"
+    );
+
+    paint_cell(&mut harness, 1, 0);
+    assert_eq!(design(&harness).weave.pattern.at(1, 0), 7);
+    assert_eq!(wished(&harness).weave.pattern.at(1, 0), 7);
+    let document = harness.state().document();
+    assert_eq!(document.undo_name(), Some("painted stitches"));
+    assert!(document.is_unsaved());
+
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    harness.run_steps(3);
+    assert_eq!(*design(&harness), before);
+    assert_eq!(*wished(&harness), before);
+    assert!(!harness.state().document().is_unsaved());
+
+    harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    harness.run_steps(3);
+    assert_eq!(design(&harness).weave.pattern.at(1, 0), 7);
+    assert_eq!(wished(&harness).weave.pattern.at(1, 0), 7);
+}
+
+#[test]
+fn a_stroke_over_many_frames_is_one_step_without_gaps() {
+    let mut harness = designer(None);
+    type_number(&mut harness, "Pattern columns", "9");
+    type_number(&mut harness, "Pattern rows", "4");
+    assert_eq!(
+        design(&harness).weave.pattern.at(0, 0),
+        7,
+        "resizing keeps content"
+    );
+    let before = design(&harness).clone();
+
+    click(&mut harness, "Paint 8: loop on the back");
+    harness.drag_at(cell(&harness, 0, 3));
+    harness.run_steps(2);
+    // Far apart, as a fast hand's events are.
+    for col in [4, 8] {
+        harness.hover_at(cell(&harness, col, 3));
+        harness.run_steps(2);
+    }
+    harness.drop_at(cell(&harness, 8, 3));
+    harness.run_steps(3);
+    let pattern = &design(&harness).weave.pattern;
+    assert!((0..9).all(|col| pattern.at(col, 3) == 8), "{pattern:?}");
+    assert!((0..9).all(|col| pattern.at(col, 2) != 8), "{pattern:?}");
+
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    harness.run_steps(3);
+    assert_eq!(*design(&harness), before);
+}
+
+#[test]
+fn filling_stops_at_other_values() {
+    let mut harness = designer(None);
+    type_number(&mut harness, "Pattern columns", "5");
+    type_number(&mut harness, "Pattern rows", "5");
+    click(&mut harness, "Fill");
+    click(&mut harness, "Paint 1: warp over weft");
+    paint_cell(&mut harness, 4, 4);
+    let pattern = &design(&harness).weave.pattern;
+    assert_eq!(pattern.at(0, 0), 7, "filled over another value");
+    assert_eq!(pattern.at(1, 1), 7);
+    assert_eq!(pattern.at(2, 0), 1);
+    // Cut off from the rest by the loops at (0, 0) and (1, 1) and the border, except through (0, 2).
+    assert_eq!(pattern.at(0, 1), 1);
+    assert_eq!(pattern.at(1, 0), 1);
+}
+
+#[test]
+fn the_pattern_can_be_painted_by_keyboard() {
+    let mut harness = designer(None);
+    harness
+        .get_by_role_and_label(Role::Grid, "Stitch pattern")
+        .focus();
+    harness.run_steps(2);
+    harness.key_press(Key::ArrowRight);
+    harness.run_steps(2);
+    harness.event(egui::Event::Text("9".into()));
+    harness.run_steps(3);
+    assert_eq!(design(&harness).weave.pattern.at(1, 0), 9);
+    harness.key_press(Key::ArrowUp);
+    harness.run_steps(1);
+    harness.key_press(Key::Space);
+    harness.run_steps(3);
+    assert_eq!(design(&harness).weave.pattern.at(1, 1), 9);
+}
+
+#[test]
+fn a_typed_number_is_one_step() {
+    let mut harness = designer(None);
+    let before = design(&harness).clone();
+    type_number(&mut harness, "Warps", "77");
+    assert_eq!(design(&harness).sheet.warps, 77);
+    assert_eq!(wished(&harness).sheet.warps, 77);
+    assert_eq!(harness.state().document().undo_name(), Some("sheet warps"));
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    harness.run_steps(3);
+    assert_eq!(*wished(&harness), before);
+    assert_eq!(harness.state().document().undo_name(), None);
+}
+
+#[test]
+fn a_dragged_slider_is_one_step_and_a_double_click_resets() {
+    let mut harness = designer(None);
+    let default = design(&harness).sheet.warps_per_cm;
+    let rect = harness
+        .get_by_role_and_label(Role::Slider, "Warps per cm")
+        .rect();
+    harness.drag_at(rect.center());
+    harness.run_steps(2);
+    for step in 1..=4 {
+        harness.hover_at(rect.center() + vec2(4.0 * step as f32, 0.0));
+        harness.run_steps(1);
+    }
+    harness.drop_at(rect.center() + vec2(16.0, 0.0));
+    harness.run_steps(3);
+    let dragged = design(&harness).sheet.warps_per_cm;
+    assert!(dragged > default + 1.0, "{dragged} after {default}");
+    assert_eq!(wished(&harness).sheet.warps_per_cm, dragged);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    harness.run_steps(3);
+    assert_eq!(
+        design(&harness).sheet.warps_per_cm,
+        default,
+        "one drag is one step"
+    );
+
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Y);
+    harness.run_steps(3);
+    assert_eq!(design(&harness).sheet.warps_per_cm, dragged);
+    let label = harness.get_by_role_and_label(Role::Label, "Warps per cm");
+    label.click();
+    label.click();
+    harness.run_steps(3);
+    assert_eq!(design(&harness).sheet.warps_per_cm, default);
+}
+
+#[test]
+fn looking_at_a_number_does_not_round_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("fine.toml");
+    let mut fine = Design::default();
+    fine.sheet.warps_per_cm = 12.345_678_912_345;
+    files::save_design(&fine, &path, None).expect("saved");
+    let mut harness = designer(Some(path));
+    wait(&mut harness, "the preset", |h| {
+        h.state().document().path().is_some()
+    });
+    harness
+        .get_by_role_and_label(Role::SpinButton, "Warps per cm")
+        .click();
+    harness.run_steps(2);
+    harness.key_press(Key::Enter);
+    harness.run_steps(3);
+    assert_eq!(design(&harness).sheet.warps_per_cm, fine.sheet.warps_per_cm);
+    assert!(!harness.state().document().is_unsaved());
+}
+
+#[test]
+fn every_number_of_every_section_has_a_control() {
+    // Tall enough that all panels are seen at once; egui leaves out what a scroll area hides.
+    let mut harness = designer_of_size(None, vec2(1280.0, 4200.0));
+    for title in Panels::titles().skip(2) {
+        open_panel(&mut harness, title);
+    }
+    let design = design(&harness).clone();
+    let mut sections: Vec<Box<dyn Numbers>> = vec![
+        Box::new(design.sheet),
+        Box::new(design.pile),
+        Box::new(design.turbulence),
+        Box::new(design.skeleton),
+        Box::new(design.light.environment),
+        Box::new(design.quality),
+    ];
+    sections.extend(
+        design
+            .light
+            .sun
+            .into_iter()
+            .map(|s| Box::new(s) as Box<dyn Numbers>),
+    );
+    sections.extend(
+        design
+            .view
+            .cameras
+            .iter()
+            .cloned()
+            .map(|c| Box::new(c) as Box<dyn Numbers>),
+    );
+    sections.push(Box::new(design.view));
+    for section in sections {
+        for (field, value) in section.numbers() {
+            let label = towel_designer::designer::label_of(field.name);
+            let controls: Vec<_> = harness
+                .get_all_by_role_and_label(Role::SpinButton, &label)
+                .collect();
+            let shows = |node: &egui_kittest::Node<'_>| {
+                let shown = node.value().unwrap_or_default();
+                shown
+                    .parse::<f64>()
+                    .is_ok_and(|shown| (shown - value).abs() <= 1e-5 * value.abs())
+            };
+            assert!(
+                controls.iter().any(shows),
+                "no control shows {} = {value}",
+                field.name
+            );
+        }
+    }
+}
+
+#[test]
+fn each_length_map_has_its_controls() {
+    let mut harness = designer_of_size(None, vec2(1280.0, 1600.0));
+    open_panel(&mut harness, "Loop length");
+    harness.get_by_role_and_label(Role::SpinButton, "Value");
+
+    choose(&mut harness, "Map", LengthMap::Gray.label());
+    assert_eq!(design(&harness).length.map, LengthMap::Gray);
+    harness.get_by_role_and_label(Role::SpinButton, "Min");
+    harness.get_by_role_and_label(Role::SpinButton, "Max");
+    let curve = harness.get_by_label("Length curve").rect();
+    let at = curve.center() + vec2(0.0, -20.0);
+    harness.drag_at(at);
+    harness.run_steps(1);
+    harness.drop_at(at);
+    harness.run_steps(3);
+    let points = design(&harness).length.curve.clone();
+    assert_eq!(points.len(), 3, "{points:?}");
+    assert!(
+        (points[1][0] - 0.5).abs() < 0.02 && points[1][1] > 0.6,
+        "{points:?}"
+    );
+
+    choose(&mut harness, "Map", LengthMap::Lut.label());
+    assert!(
+        !design(&harness).faults().is_empty(),
+        "a table without rows is a fault"
+    );
+    assert_eq!(
+        wished(&harness).length.map,
+        LengthMap::Gray,
+        "a design with a fault is not rendered"
+    );
+    assert!(
+        harness
+            .query_all_by_label_contains("length.table is empty")
+            .count()
+            >= 2
+    );
+    click(&mut harness, "Add row");
+    assert_eq!(design(&harness).length.table.len(), 1);
+    assert_eq!(wished(&harness).length.map, LengthMap::Lut);
+    click(&mut harness, "Remove row 1");
+    assert!(design(&harness).length.table.is_empty());
+}
+
+/// Chooses from the menu of that name.
+#[track_caller]
+fn choose(harness: &mut Harness<'_, App>, name: &str, choice: &str) {
+    harness.get_by_role_and_label(Role::ComboBox, name).click();
+    harness.run_steps(3);
+    harness.get_by_role_and_label(Role::Button, choice).click();
+    harness.run_steps(4);
+}
+
+#[test]
+fn suns_and_cameras_are_added_and_removed() {
+    let mut harness = designer_of_size(None, vec2(1280.0, 2400.0));
+    open_panel(&mut harness, "Light");
+    open_panel(&mut harness, "View & quality");
+    click(&mut harness, "Add sun");
+    assert_eq!(design(&harness).light.sun.len(), 2);
+    assert_eq!(harness.state().document().undo_name(), Some("add sun"));
+    click(&mut harness, "Remove sun 1");
+    click(&mut harness, "Remove sun 1");
+    assert!(design(&harness).light.sun.is_empty());
+
+    click(&mut harness, "Add camera from view");
+    let cameras = &design(&harness).view.cameras;
+    assert_eq!(cameras.len(), 2);
+    assert_ne!(cameras[0].name, cameras[1].name);
+    assert!(design(&harness).faults().is_empty());
+    click(&mut harness, "Remove camera 2");
+    assert_eq!(design(&harness).view.cameras.len(), 1);
+}
+
+#[test]
+fn the_viewport_orbits_pans_zooms_and_keeps_the_document() {
+    let mut harness = designer(None);
+    let first = harness.state().viewport().camera.clone();
+    let centre = harness.get_by_label("Viewport").rect().center();
+    let drag = |harness: &mut Harness<'_, App>, by: Vec2| {
+        harness.drag_at(centre);
+        harness.run_steps(1);
+        harness.hover_at(centre + by);
+        harness.run_steps(1);
+        harness.drop_at(centre + by);
+        harness.run_steps(2);
+    };
+    drag(&mut harness, vec2(60.0, 20.0));
+    let orbited = harness.state().viewport().camera.clone();
+    assert!(orbited.azimuth < first.azimuth && orbited.elevation > first.elevation);
+    assert_eq!(orbited.target, first.target);
+    assert_eq!(
+        harness.state().viewport().wish().expect("a wish").camera,
+        orbited
+    );
+
+    harness.hover_at(centre);
+    harness.run_steps(1);
+    harness.event(egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Line,
+        source: egui::MouseWheelSource::Wheel,
+        delta: vec2(0.0, 3.0),
+        phase: egui::TouchPhase::Move,
+        modifiers: Modifiers::NONE,
+    });
+    harness.run_steps(12);
+    let zoomed = harness.state().viewport().camera.clone();
+    assert!(
+        zoomed.distance < 0.95 * orbited.distance,
+        "{}",
+        zoomed.distance
+    );
+
+    harness.get_by_label("Viewport").focus();
+    harness.run_steps(1);
+    harness.key_press_modifiers(Modifiers::SHIFT, Key::ArrowRight);
+    harness.run_steps(2);
+    let panned = harness.state().viewport().camera.clone();
+    assert_ne!(panned.target, zoomed.target);
+    assert_eq!(panned.azimuth, zoomed.azimuth);
+
+    click(&mut harness, "Toolbar: Back");
+    assert_eq!(harness.state().viewport().camera.elevation, -90.0);
+    assert!(
+        !harness.state().document().is_unsaved(),
+        "looking is no change"
+    );
+}
+
+#[test]
+fn a_preset_is_opened_saved_as_and_reopened_equal() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let preset = folder.path().join("first.toml");
+    let chart = folder.path().join("stripes.png");
+    write_chart(&chart);
+    let mut original = Design::default();
+    original.weave.pattern = Pattern::filled(3, 2, 7);
+    original.chart.image = Some("stripes.png".into());
+    files::save_design(&original, &preset, Some(&preset)).expect("saved");
+
+    let mut harness = designer(Some(preset.clone()));
+    wait(&mut harness, "the preset", |h| {
+        h.state().document().path().is_some()
+    });
+    assert_eq!(design(&harness).weave.pattern, original.weave.pattern);
+    assert!(design(&harness).chart.pixels.is_some());
+    type_number(&mut harness, "Wefts", "33");
+    let edited = design(&harness).clone();
+
+    // To another folder, so that the chart's path must change.
+    let elsewhere = folder.path().join("elsewhere");
+    std::fs::create_dir(&elsewhere).expect("a folder");
+    let copy = elsewhere.join("second");
+    harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    harness.run_steps(3);
+    type_path(&mut harness, &copy);
+    click(&mut harness, "Save file");
+    let copy = copy.with_extension("toml");
+    assert!(copy.is_file(), "the ending is added");
+    assert_eq!(harness.state().document().path(), Some(copy.as_path()));
+    assert!(!harness.state().document().is_unsaved());
+    let text = std::fs::read_to_string(&copy).expect("text");
+    assert!(text.contains("\"../stripes.png\""), "{text}");
+
+    let mut again = designer(Some(copy));
+    wait(&mut again, "the copy", |h| {
+        h.state().document().path().is_some()
+    });
+    let mut reopened = design(&again).clone();
+    // The same file by another spelling.
+    reopened.chart.image.clone_from(&edited.chart.image);
+    assert_eq!(reopened, edited);
+}
+
+/// Replaces the text of the file dialog's path field.
+#[track_caller]
+fn type_path(harness: &mut Harness<'_, App>, path: &Path) {
+    let field = harness.get_by_role_and_label(Role::TextInput, "Path");
+    field.focus();
+    harness.run_steps(2);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.run_steps(1);
+    harness.event(egui::Event::Text(path.to_string_lossy().into_owned()));
+    harness.run_steps(3);
+}
+
+fn write_chart(path: &Path) {
+    let mut chart = image::RgbImage::new(8, 4);
+    for (x, _, pixel) in chart.enumerate_pixels_mut() {
+        *pixel = image::Rgb(if x < 4 {
+            [200, 30, 30]
+        } else {
+            [250, 250, 240]
+        });
+    }
+    chart.save(path).expect("a chart");
+}
+
+#[test]
+fn a_chart_is_opened_and_cleared() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let chart = folder.path().join("chart.png");
+    write_chart(&chart);
+    let mut harness = designer(None);
+    click(&mut harness, "Open chart…");
+    type_path(&mut harness, &chart);
+    click(&mut harness, "Open file");
+    wait(&mut harness, "the chart", |h| {
+        design(h).chart.pixels.is_some()
+    });
+    harness.run_steps(3);
+    assert!(wished(&harness).chart.pixels.is_some());
+    assert_eq!(harness.state().document().undo_name(), Some("open chart"));
+    click(&mut harness, "Clear chart");
+    assert_eq!(*design(&harness), Design::default());
+
+    std::fs::write(&chart, "no image").expect("written");
+    click(&mut harness, "Open chart…");
+    type_path(&mut harness, &chart);
+    click(&mut harness, "Open file");
+    wait(&mut harness, "the error", |h| {
+        h.query_by_label("Chart not opened").is_some()
+    });
+    assert!(harness.query_by_label_contains("chart.png").is_some());
+}
+
+#[test]
+fn faults_of_a_preset_are_told_with_their_lines_and_nothing_is_lost() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("broken.toml");
+    std::fs::write(
+        &path,
+        "format = 1\n\n[sheet]\nwarps = 5\nwefts = -3\nwarp = 7\n",
+    )
+    .expect("written");
+    let mut harness = designer(Some(path));
+    wait(&mut harness, "the error", |h| {
+        h.query_by_label("Preset not opened").is_some()
+    });
+    let told = harness
+        .get_by_label_contains("broken.toml")
+        .accesskit_node()
+        .label()
+        .or_else(|| harness.get_by_label_contains("broken.toml").value())
+        .unwrap_or_default();
+    assert!(
+        told.contains("broken.toml:5:") && told.contains("broken.toml:6:"),
+        "{told}"
+    );
+    assert_eq!(*design(&harness), Design::default());
+    click(&mut harness, "Dismiss: Preset not opened");
+    assert!(harness.query_by_label("Preset not opened").is_none());
+}
+
+#[test]
+fn unsaved_changes_are_asked_about() {
+    let mut harness = designer(None);
+    paint_cell(&mut harness, 1, 0);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::N);
+    harness.run_steps(3);
+    click(&mut harness, "Cancel");
+    assert_eq!(
+        design(&harness).weave.pattern.at(1, 0),
+        7,
+        "Cancel keeps the work"
+    );
+
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::N);
+    harness.run_steps(3);
+    click(&mut harness, "Discard changes");
+    assert_eq!(*design(&harness), Design::default());
+    assert!(harness.query_by_label("Save changes?").is_none());
+}
+
+#[test]
+fn shortcuts_open_help_export_and_dialogs() {
+    let mut harness = designer(None);
+    harness.key_press(Key::F1);
+    harness.run_steps(3);
+    assert!(harness.query_by_label_contains("Every yarn loop").is_some());
+    harness.key_press(Key::F1);
+    harness.run_steps(6);
+    assert!(harness.query_by_label_contains("Every yarn loop").is_none());
+
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    harness.run_steps(3);
+    assert!(harness.query_by_label("Open file").is_some());
+    click(&mut harness, "Cancel");
+    assert!(harness.query_by_label("Open file").is_none());
+
+    let folder = tempfile::tempdir().expect("a folder");
+    let picture = folder.path().join("picture.png");
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::E);
+    harness.run_steps(3);
+    click(&mut harness, "Choose file and export…");
+    type_path(&mut harness, &picture);
+    click(&mut harness, "Save file");
+    wait(&mut harness, "the picture", |_| picture.exists());
+    let [width, height] = harness.state().viewport().size();
+    let written = image::open(&picture).expect("a picture");
+    assert_eq!((written.width(), written.height()), (2 * width, 2 * height));
+}
+
+#[test]
+fn the_backend_is_switched_in_the_status_bar() {
+    let mut harness = designer(None);
+    wait(&mut harness, "a device", |h| {
+        h.state().viewport().shown().device.is_some()
+    });
+    harness.run_steps(2);
+    click(&mut harness, "Backend");
+    harness
+        .get_by_role_and_label(Role::RadioButton, "cpu")
+        .click();
+    harness.run_steps(3);
+    let wish = harness.state().viewport().wish().expect("a wish");
+    assert_eq!(wish.choice, BackendChoice::Cpu);
+}
+
+#[test]
+fn names_are_given_to_all_widgets() {
+    let mut harness = designer_of_size(None, vec2(1280.0, 4200.0));
+    for title in Panels::titles().skip(2) {
+        open_panel(&mut harness, title);
+    }
+    harness.check_accessibility();
+}

@@ -90,8 +90,7 @@ fn run() -> anyhow::Result<()> {
         None => {
             let preset = arguments.preset;
             reject_unknown_word(preset.clone().map(PathBuf::into_os_string))?;
-            let _ = arguments.backend;
-            Err(anyhow::anyhow!("this build has no window yet"))
+            crate::designer::run(preset, arguments.backend)
         }
     }
 }

@@ -1,0 +1,112 @@
+//! Names what differs between two designs, for "Undo …": the history is a list of designs, the names are read off them.
+
+use renderer_core::design::{Design, Numbers};
+
+use super::widgets::label_of;
+
+/// What a user would call the step from `before` to `after`: "pile density", "painted stitches", "open chart".
+pub fn describe(before: &Design, after: &Design) -> String {
+    let parts = [
+        sheet(before, after),
+        weave(before, after),
+        chart(before, after),
+        length(before, after),
+        numbers("pile", &before.pile, &after.pile)
+            .or_else(|| other(before.pile != after.pile, "kind of pile")),
+        numbers("turbulence", &before.turbulence, &after.turbulence)
+            .or_else(|| other(before.turbulence != after.turbulence, "kind of turbulence")),
+        numbers("skeleton", &before.skeleton, &after.skeleton)
+            .or_else(|| other(before.skeleton != after.skeleton, "look of the skeleton")),
+        light(before, after),
+        view(before, after),
+        numbers("quality", &before.quality, &after.quality)
+            .or_else(|| other(before.quality != after.quality, "method")),
+    ];
+    let mut parts = parts.into_iter().flatten();
+    match (parts.next(), parts.next()) {
+        (Some(only), None) => only,
+        (Some(_), Some(_)) => "several changes".into(),
+        (None, _) => "change".into(),
+    }
+}
+
+fn other(differs: bool, name: &str) -> Option<String> {
+    differs.then(|| name.into())
+}
+
+/// The first number of a section that differs.
+fn numbers(section: &str, before: &impl Numbers, after: &impl Numbers) -> Option<String> {
+    let (before, after) = (before.numbers(), after.numbers());
+    let mut pairs = before.iter().zip(&after);
+    let (_, (field, _)) = pairs.find(|((_, a), (_, b))| a != b)?;
+    Some(format!("{section} {}", label_of(field.name).to_lowercase()))
+}
+
+fn sheet(before: &Design, after: &Design) -> Option<String> {
+    numbers("sheet", &before.sheet, &after.sheet)
+}
+
+fn weave(before: &Design, after: &Design) -> Option<String> {
+    let (a, b) = (&before.weave.pattern, &after.weave.pattern);
+    if (a.cols(), a.rows()) != (b.cols(), b.rows()) {
+        return Some("pattern size".into());
+    }
+    other(a != b, "painted stitches")
+        .or_else(|| other(before.weave.back != after.weave.back, "back of the cloth"))
+}
+
+fn chart(before: &Design, after: &Design) -> Option<String> {
+    let (a, b) = (&before.chart, &after.chart);
+    if a == b {
+        return None;
+    }
+    let name = match (a.pixels == b.pixels, b.pixels.is_some()) {
+        (false, true) => "open chart",
+        (false, false) => "clear chart",
+        (true, _) if a.colour != b.colour => "cloth colour",
+        (true, _) => "chart layout",
+    };
+    Some(name.into())
+}
+
+fn length(before: &Design, after: &Design) -> Option<String> {
+    let (a, b) = (&before.length, &after.length);
+    numbers("loop length", a, b)
+        .or_else(|| other(a.map != b.map, "loop length map"))
+        .or_else(|| other(a.curve != b.curve, "loop length curve"))
+        .or_else(|| list("row of lengths", a.table.len(), b.table.len()))
+        .or_else(|| other(a.table != b.table, "table of lengths"))
+}
+
+fn light(before: &Design, after: &Design) -> Option<String> {
+    let (a, b) = (&before.light, &after.light);
+    list("sun", a.sun.len(), b.sun.len())
+        .or_else(|| {
+            let mut suns = a.sun.iter().zip(&b.sun);
+            suns.find_map(|(a, b)| numbers("sun", a, b))
+        })
+        .or_else(|| other(a.sun != b.sun, "sun colour"))
+        .or_else(|| numbers("environment", &a.environment, &b.environment))
+        .or_else(|| other(a.environment != b.environment, "environment"))
+        .or_else(|| other(a.background != b.background, "background"))
+}
+
+fn view(before: &Design, after: &Design) -> Option<String> {
+    let (a, b) = (&before.view, &after.view);
+    list("camera", a.cameras.len(), b.cameras.len())
+        .or_else(|| numbers("view", a, b))
+        .or_else(|| other(a.tone_map != b.tone_map, "tone map"))
+        .or_else(|| {
+            let mut cameras = a.cameras.iter().zip(&b.cameras);
+            cameras.find_map(|(a, b)| numbers("camera", a, b))
+        })
+        .or_else(|| other(a.cameras != b.cameras, "camera"))
+}
+
+fn list(what: &str, before: usize, after: usize) -> Option<String> {
+    match before.cmp(&after) {
+        std::cmp::Ordering::Less => Some(format!("add {what}")),
+        std::cmp::Ordering::Equal => None,
+        std::cmp::Ordering::Greater => Some(format!("remove {what}")),
+    }
+}

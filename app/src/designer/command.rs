@@ -1,0 +1,94 @@
+//! What menus, buttons, shortcuts and panels can ask the designer to do, and the keys for it.
+
+use std::path::PathBuf;
+
+use egui::{Context, Key, KeyboardShortcut, Modifiers};
+use renderer_core::design::CameraDesign;
+
+use super::camera_moves::StandardView;
+use crate::backend::BackendChoice;
+
+/// Something to do that is no edit of the design.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Command {
+    /// Start a new design.
+    New,
+    /// Ask for a preset to open.
+    Open,
+    /// Open this preset.
+    OpenPreset(PathBuf),
+    /// Save to the document's file, or ask for one.
+    Save,
+    /// Ask for a file to save to.
+    SaveAs,
+    /// Open the export window.
+    Export,
+    /// Leave the program.
+    Quit,
+    /// Take back the last gesture.
+    Undo,
+    /// Repeat the gesture last taken back.
+    Redo,
+    /// Ask for a chart image.
+    OpenChart,
+    /// Use this chart image.
+    UseChart(PathBuf),
+    /// Show the cloth from here.
+    Look(CameraDesign),
+    /// Show the cloth from a standard view.
+    Standard(StandardView),
+    /// Bring the whole cloth into view, keeping the direction.
+    Fit,
+    /// Render with this backend.
+    Backend(BackendChoice),
+    /// Show or hide keys and version.
+    Help,
+}
+
+/// Keys of the commands that have some, as the help lists them. Longer combinations first: egui's matching ignores a
+/// Shift that a shortcut does not name.
+pub const SHORTCUTS: &[(Command, KeyboardShortcut, &str)] = &[
+    (Command::SaveAs, shift(Key::S), "Save as"),
+    (Command::Redo, shift(Key::Z), "Redo"),
+    (Command::New, ctrl(Key::N), "New design"),
+    (Command::Open, ctrl(Key::O), "Open a preset"),
+    (Command::Save, ctrl(Key::S), "Save"),
+    (Command::Export, ctrl(Key::E), "Export a PNG"),
+    (Command::Undo, ctrl(Key::Z), "Undo"),
+    (Command::Redo, ctrl(Key::Y), "Redo"),
+    (Command::Quit, ctrl(Key::Q), "Quit"),
+    (
+        Command::Help,
+        KeyboardShortcut::new(Modifiers::NONE, Key::F1),
+        "Help",
+    ),
+];
+
+const fn ctrl(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::COMMAND, key)
+}
+
+const fn shift(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), key)
+}
+
+/// Takes the shortcuts pressed in this frame. Undo and redo belong to a text field while one is being typed in.
+pub fn take_shortcuts(ctx: &Context, commands: &mut Vec<Command>) {
+    let typing = ctx.text_edit_focused();
+    for (command, shortcut, _) in SHORTCUTS {
+        let is_history = matches!(command, Command::Undo | Command::Redo);
+        if !(typing && is_history) && ctx.input_mut(|i| i.consume_shortcut(shortcut)) {
+            commands.push(command.clone());
+        }
+    }
+}
+
+/// The keys of a command as text, for menus and tooltips; empty if it has none.
+pub fn keys_of(ctx: &Context, command: &Command) -> String {
+    SHORTCUTS
+        .iter()
+        .find(|(other, ..)| other == command)
+        .map_or_else(String::new, |(_, shortcut, _)| {
+            ctx.format_shortcut(shortcut)
+        })
+}

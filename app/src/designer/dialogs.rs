@@ -1,0 +1,170 @@
+//! Asking for files: with the system's dialog, off the window's thread; where none can open, with our own.
+
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::time::{Duration, Instant};
+
+use egui::Context;
+
+use super::widgets::{Browsed, FileBrowser, FileKind};
+
+/// What a file is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    /// A preset to open.
+    OpenPreset,
+    /// A file to save the design to.
+    SavePreset,
+    /// A chart image.
+    OpenChart,
+    /// A picture to write.
+    ExportPng,
+}
+
+impl Purpose {
+    fn kind(self) -> FileKind {
+        let (title, name, endings, saving): (_, _, &[&str], _) = match self {
+            Self::OpenPreset => ("Open preset", "presets", &["toml"], false),
+            Self::SavePreset => ("Save preset as", "presets", &["toml"], true),
+            Self::OpenChart => ("Open chart", "images", &["png", "jpg", "jpeg"], false),
+            Self::ExportPng => ("Export picture as", "pictures", &["png"], true),
+        };
+        FileKind {
+            title,
+            name,
+            endings,
+            saving,
+        }
+    }
+}
+
+/// A system dialog gone sooner than this cannot have been seen: there is none on this machine. (Without a desktop
+/// portal it fails within 40 ms; nobody cancels a dialog within a third of a second.)
+const NEVER_OPENED: Duration = Duration::from_millis(300);
+
+/// The dialog that is open, if any.
+pub struct Dialogs {
+    use_system: bool,
+    system: Option<SystemDialog>,
+    browser: Option<(Purpose, FileBrowser)>,
+}
+
+struct SystemDialog {
+    purpose: Purpose,
+    answer: Receiver<Option<PathBuf>>,
+    opened: Instant,
+    folder: PathBuf,
+    name: String,
+}
+
+impl Dialogs {
+    /// Dialogs; with `use_system` those of the system where it has some.
+    pub fn new(use_system: bool) -> Self {
+        Self {
+            use_system,
+            system: None,
+            browser: None,
+        }
+    }
+
+    /// Whether a dialog of ours is open, which keeps the rest of the window from the keyboard.
+    pub fn is_browsing(&self) -> bool {
+        self.browser.is_some()
+    }
+
+    /// Asks for a file, starting in `folder` with the name `name`. One dialog at a time.
+    pub fn ask(&mut self, purpose: Purpose, folder: &Path, name: &str, ctx: &Context) {
+        if self.system.is_some() || self.browser.is_some() {
+            return;
+        }
+        if self.use_system
+            && let Some(answer) = open_system_dialog(purpose, folder, name, ctx)
+        {
+            self.system = Some(SystemDialog {
+                purpose,
+                answer,
+                opened: Instant::now(),
+                folder: folder.into(),
+                name: name.into(),
+            });
+        } else {
+            self.browse(purpose, folder, name);
+        }
+    }
+
+    fn browse(&mut self, purpose: Purpose, folder: &Path, name: &str) {
+        self.browser = Some((purpose, FileBrowser::new(purpose.kind(), folder, name)));
+    }
+
+    /// Shows our dialog and looks for the system's answer. `Some(file)` when chosen; `Some(None)` when cancelled.
+    pub fn show(&mut self, ctx: &Context) -> Option<(Purpose, Option<PathBuf>)> {
+        self.poll_system().or_else(|| self.show_browser(ctx))
+    }
+
+    fn poll_system(&mut self) -> Option<(Purpose, Option<PathBuf>)> {
+        let dialog = self.system.as_ref()?;
+        let answer = match dialog.answer.try_recv() {
+            Err(TryRecvError::Empty) => return None,
+            Ok(answer) => answer,
+            Err(TryRecvError::Disconnected) => None,
+        };
+        let dialog = self.system.take()?;
+        if answer.is_none() && dialog.opened.elapsed() < NEVER_OPENED {
+            self.browse(dialog.purpose, &dialog.folder, &dialog.name);
+            return None;
+        }
+        Some((dialog.purpose, answer))
+    }
+
+    fn show_browser(&mut self, ctx: &Context) -> Option<(Purpose, Option<PathBuf>)> {
+        let (purpose, browser) = self.browser.as_mut()?;
+        let (purpose, browsed) = (*purpose, browser.show(ctx)?);
+        self.browser = None;
+        Some(match browsed {
+            Browsed::Chosen(path) => (purpose, Some(path)),
+            Browsed::Cancelled => (purpose, None),
+        })
+    }
+}
+
+/// The system's dialog, waited for on a thread of its own; `None` if there is no thread to be had.
+fn open_system_dialog(
+    purpose: Purpose,
+    folder: &Path,
+    name: &str,
+    ctx: &Context,
+) -> Option<Receiver<Option<PathBuf>>> {
+    let kind = purpose.kind();
+    // Made here, since macOS wants dialogs from the main thread; waited for elsewhere.
+    let mut dialog = rfd::AsyncFileDialog::new()
+        .set_title(kind.title)
+        .add_filter(kind.name, kind.endings);
+    if folder.is_dir() {
+        dialog = dialog.set_directory(folder);
+    }
+    if !name.is_empty() {
+        dialog = dialog.set_file_name(name);
+    }
+    let (sender, receiver) = channel();
+    let ctx = ctx.clone();
+    let ending = kind.endings.first().copied().unwrap_or_default();
+    let wait = move |answer: Option<rfd::FileHandle>| {
+        let path = answer.map(|file| file.path().to_path_buf());
+        let path = path.map(|path| match path.extension() {
+            None if kind.saving => path.with_extension(ending),
+            _ => path,
+        });
+        // Nobody listens any more when the window is closing.
+        let _ = sender.send(path);
+        ctx.request_repaint();
+    };
+    let thread = std::thread::Builder::new().name("file dialog".into());
+    let started = if kind.saving {
+        let answer = dialog.save_file();
+        thread.spawn(move || wait(pollster::block_on(answer)))
+    } else {
+        let answer = dialog.pick_file();
+        thread.spawn(move || wait(pollster::block_on(answer)))
+    };
+    started.is_ok().then_some(receiver)
+}

@@ -1,0 +1,138 @@
+//! The document: the design being edited, its history, its file and whether it differs from that file.
+//!
+//! Panels edit [`Document::design`] freely. After every frame [`Document::settle`] looks whether it differs from the
+//! state after the last finished gesture; when no gesture is under way, the difference becomes one step of the history,
+//! named after what changed. So a drag of any length is one step, and no panel has to know that undo exists.
+
+use std::path::{Path, PathBuf};
+
+use renderer_core::design::Design;
+
+use super::changes;
+
+/// Most steps that can be undone. Designs share their charts' tiles, so a step costs little.
+const MAX_STEPS: usize = 1000;
+
+/// A state to go back (or forward) to, and the name of the gesture that lies between.
+#[derive(Debug, Clone)]
+struct Step {
+    name: String,
+    design: Design,
+}
+
+/// A design with its history and its file.
+#[derive(Debug, Default)]
+pub struct Document {
+    /// What panels show and edit.
+    pub design: Design,
+    settled: Design,
+    saved: Design,
+    path: Option<PathBuf>,
+    undo: Vec<Step>,
+    redo: Vec<Step>,
+}
+
+impl Document {
+    /// A document of a design just read from `path`, or of a new design.
+    ///
+    /// In memory the chart's path is absolute, so that no state of the history depends on where the preset lies;
+    /// files name it relative to themselves.
+    pub fn new(mut design: Design, path: Option<PathBuf>) -> Self {
+        if let (Some(image), Some(folder)) = (
+            &mut design.chart.image,
+            path.as_deref().and_then(Path::parent),
+        ) {
+            let chart = folder.join(&*image);
+            let chart = std::path::absolute(&chart).unwrap_or(chart);
+            *image = chart.to_string_lossy().into_owned();
+        }
+        Self {
+            settled: design.clone(),
+            saved: design.clone(),
+            design,
+            path,
+            undo: Vec::new(),
+            redo: Vec::new(),
+        }
+    }
+
+    /// The file this document was read from or last saved to.
+    pub fn path(&self) -> Option<&Path> {
+        self.path.as_deref()
+    }
+
+    /// Name for the window's title: that of the file without its ending.
+    pub fn name(&self) -> String {
+        self.path
+            .as_deref()
+            .and_then(Path::file_stem)
+            .map_or_else(|| "untitled".into(), |name| name.to_string_lossy().into())
+    }
+
+    /// Whether there is something that no file holds.
+    pub fn is_unsaved(&self) -> bool {
+        self.design != self.saved
+    }
+
+    /// Notes that the file at `path` now holds `design`.
+    pub fn mark_saved(&mut self, path: PathBuf, design: Design) {
+        self.saved = design;
+        self.path = Some(path);
+    }
+
+    /// Makes a finished gesture a step of the history. To be called after every frame; while a gesture goes on
+    /// (a pointer or key is down, text is being typed) nothing happens.
+    pub fn settle(&mut self, gesture_goes_on: bool) {
+        if gesture_goes_on || self.design == self.settled {
+            return;
+        }
+        let before = std::mem::replace(&mut self.settled, self.design.clone());
+        if self.undo.len() == MAX_STEPS {
+            self.undo.remove(0);
+        }
+        self.undo.push(Step {
+            name: changes::describe(&before, &self.design),
+            design: before,
+        });
+        self.redo.clear();
+    }
+
+    /// Name of the gesture that [`Self::undo`] would take back.
+    pub fn undo_name(&self) -> Option<&str> {
+        self.undo.last().map(|step| step.name.as_str())
+    }
+
+    /// Name of the gesture that [`Self::redo`] would repeat.
+    pub fn redo_name(&self) -> Option<&str> {
+        self.redo.last().map(|step| step.name.as_str())
+    }
+
+    /// Takes back the last gesture.
+    pub fn undo(&mut self) {
+        self.settle(false);
+        if let Some(step) = self.undo.pop() {
+            let after = self.replace(step.design);
+            self.redo.push(Step {
+                name: step.name,
+                design: after,
+            });
+        }
+    }
+
+    /// Repeats the gesture last taken back.
+    pub fn redo(&mut self) {
+        self.settle(false);
+        if let Some(step) = self.redo.pop() {
+            let before = self.replace(step.design);
+            self.undo.push(Step {
+                name: step.name,
+                design: before,
+            });
+        }
+    }
+
+    fn replace(&mut self, design: Design) -> Design {
+        self.settled = design.clone();
+        std::mem::replace(&mut self.design, design)
+    }
+}

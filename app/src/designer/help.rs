@@ -1,0 +1,56 @@
+//! Help: keys, gestures, version.
+
+use egui::{Context, Grid, RichText, Ui, Window};
+
+use super::command::SHORTCUTS;
+
+/// What pointer and keys do where.
+const GESTURES: &[(&str, &str)] = &[
+    ("Viewport: drag", "Orbit"),
+    ("Viewport: Shift, middle or right drag", "Pan"),
+    ("Viewport: wheel, pinch", "Zoom to the pointer"),
+    ("Viewport: arrows, Shift+arrows", "Orbit, pan"),
+    ("Viewport: + and −", "Zoom"),
+    ("Viewport: F, Home", "Fit the cloth"),
+    (
+        "Pattern: arrows, space, 0 1 7 8 9",
+        "Move, paint, paint that stitch",
+    ),
+    ("Pattern: right click", "Pick the stitch"),
+    (
+        "Curve: arrows, Page up/down, Delete",
+        "Move, select, remove a point",
+    ),
+    ("Number: double click on label or slider", "Reset"),
+    ("Ctrl and +, −, 0", "Size of the interface"),
+];
+
+/// Shows the help window.
+pub fn show(ctx: &Context, is_open: &mut bool) {
+    Window::new("Keys and version")
+        .open(is_open)
+        .collapsible(false)
+        .resizable(false)
+        .show(ctx, |ui| {
+            ui.label(format!("Towel Designer {}", env!("CARGO_PKG_VERSION")));
+            ui.weak("Every yarn loop, live.");
+            ui.add_space(8.0);
+            Grid::new("keys")
+                .num_columns(2)
+                .spacing([24.0, 4.0])
+                .show(ui, |ui| {
+                    for (_, shortcut, what) in SHORTCUTS {
+                        line(ui, &ctx.format_shortcut(shortcut), what);
+                    }
+                    for (gesture, what) in GESTURES {
+                        line(ui, gesture, what);
+                    }
+                });
+        });
+}
+
+fn line(ui: &mut Ui, keys: &str, what: &str) {
+    ui.label(RichText::new(keys).strong());
+    ui.label(what);
+    ui.end_row();
+}

@@ -1,0 +1,114 @@
+//! The document's panels, one file each, in the order one designs. A panel edits its part of the design and nothing
+//! else; what it cannot do itself (open a file, move the camera) it asks for with a [`Command`].
+
+mod chart;
+mod light;
+mod loop_length;
+mod pile;
+mod sheet_weave;
+mod skeleton;
+mod turbulence;
+mod view_quality;
+
+use egui::{CollapsingHeader, RichText, ScrollArea, Ui};
+use renderer_core::design::{CameraDesign, Design, Fault};
+
+use super::command::Command;
+
+/// What panels remember that is no part of the design.
+#[derive(Default)]
+pub struct Panels {
+    sheet_weave: sheet_weave::State,
+    chart: chart::State,
+    loop_length: loop_length::State,
+    turbulence: turbulence::State,
+}
+
+/// What panels may see beside the design.
+pub struct Surroundings<'a> {
+    /// Values of the design that are not allowed.
+    pub faults: &'a [Fault],
+    /// Things that are allowed but probably not meant.
+    pub warnings: &'a [String],
+    /// The camera of the viewport.
+    pub camera: &'a CameraDesign,
+    /// Where panels put what they ask for.
+    pub commands: &'a mut Vec<Command>,
+}
+
+/// Title of a panel, the parts of the design whose faults belong to it, and whether it starts open.
+struct Title(&'static str, &'static [&'static str], bool);
+
+const TITLES: [Title; 8] = [
+    Title("Sheet & weave", &["sheet", "weave"], true),
+    Title("Chart", &["chart"], true),
+    Title("Loop length", &["length"], false),
+    Title("Pile", &["pile"], false),
+    Title("Turbulence", &["turbulence"], false),
+    Title("Skeleton", &["skeleton"], false),
+    Title("Light", &["light"], false),
+    Title("View & quality", &["view", "quality"], false),
+];
+
+impl Panels {
+    /// Titles of all panels, from top to bottom.
+    pub fn titles() -> impl Iterator<Item = &'static str> {
+        TITLES.iter().map(|Title(title, ..)| *title)
+    }
+
+    /// Shows all panels.
+    pub fn show(&mut self, ui: &mut Ui, design: &mut Design, around: &mut Surroundings<'_>) {
+        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            for (index, title) in TITLES.iter().enumerate() {
+                section(ui, title, around, |ui, around| match index {
+                    0 => sheet_weave::show(ui, &mut self.sheet_weave, design),
+                    1 => chart::show(ui, &mut self.chart, &mut design.chart, around),
+                    2 => loop_length::show(ui, &mut self.loop_length, design),
+                    3 => pile::show(ui, &mut design.pile),
+                    4 => turbulence::show(ui, &mut self.turbulence, design, around),
+                    5 => skeleton::show(ui, &mut design.skeleton),
+                    6 => light::show(ui, &mut design.light),
+                    _ => view_quality::show(ui, design, around),
+                });
+            }
+            ui.add_space(24.0);
+        });
+    }
+}
+
+/// A collapsible panel, marked where its part of the design has faults, which are told at its top.
+fn section(
+    ui: &mut Ui,
+    Title(title, parts, open): &Title,
+    around: &mut Surroundings<'_>,
+    body: impl FnOnce(&mut Ui, &mut Surroundings<'_>),
+) {
+    let concerns = |fault: &&Fault| {
+        let part = fault.path.split(['.', '[']).next().unwrap_or_default();
+        parts.contains(&part)
+    };
+    let faults: Vec<String> = around
+        .faults
+        .iter()
+        .filter(concerns)
+        .map(ToString::to_string)
+        .collect();
+    let mut heading = RichText::new(*title).strong().size(13.5);
+    if !faults.is_empty() {
+        heading = heading.color(ui.visuals().error_fg_color);
+    }
+    CollapsingHeader::new(heading)
+        .id_salt(title)
+        .default_open(*open)
+        // A fault nobody sees cannot be mended.
+        .open((!faults.is_empty()).then_some(true))
+        .show_unindented(ui, |ui| {
+            ui.spacing_mut().item_spacing.y = 3.0;
+            for fault in faults {
+                ui.colored_label(ui.visuals().error_fg_color, fault);
+            }
+            body(ui, around);
+            ui.add_space(6.0);
+        });
+    ui.separator();
+}

@@ -1,0 +1,32 @@
+//! Skeleton: the ground weave's yarns.
+
+use egui::Ui;
+use renderer_core::design::SkeletonDesign;
+
+use crate::designer::widgets::{check, choice, colour, number};
+
+/// Shows the panel.
+pub fn show(ui: &mut Ui, skeleton: &mut SkeletonDesign) {
+    let fields = SkeletonDesign::FIELDS;
+    check(
+        ui,
+        "Visible",
+        "Whether the ground weave is drawn.",
+        &mut skeleton.visible,
+    );
+    number(ui, &fields.warp_radius, &mut skeleton.warp_radius);
+    number(ui, &fields.weft_radius, &mut skeleton.weft_radius);
+    number(ui, &fields.crimp, &mut skeleton.crimp);
+    choice(
+        ui,
+        "Height",
+        "How the height of a ground yarn follows over and under.",
+        &mut skeleton.height,
+    );
+    colour(
+        ui,
+        "Colour",
+        "Colour of the ground yarns.",
+        &mut skeleton.colour,
+    );
+}

@@ -1,0 +1,40 @@
+//! A row of a panel: a label in a column of fixed width, then a control; and the headings between rows.
+
+use egui::{Align, Label, Layout, Response, RichText, Sense, Ui, UiBuilder, vec2};
+
+use crate::designer::style::{LABEL_WIDTH, ROW_HEIGHT};
+
+/// A label and what `controls` adds behind it. `controls` is given the label's response, to name its widgets by.
+pub fn row<R>(
+    ui: &mut Ui,
+    label: &str,
+    what: &str,
+    controls: impl FnOnce(&mut Ui, &Response) -> R,
+) -> R {
+    ui.horizontal(|ui| {
+        let (rect, _) = ui.allocate_exact_size(vec2(LABEL_WIDTH, ROW_HEIGHT), Sense::hover());
+        let place = UiBuilder::new()
+            .max_rect(rect)
+            .layout(Layout::left_to_right(Align::Center));
+        // CLICK alone: a label reacts to a double click, but is no stop of the Tab key.
+        let text = Label::new(label).truncate().sense(Sense::CLICK);
+        let label = ui.new_child(place).add(text).on_hover_text(what);
+        controls(ui, &label)
+    })
+    .inner
+}
+
+/// A quiet heading inside a panel.
+pub fn subheading(ui: &mut Ui, text: &str) {
+    ui.add_space(5.0);
+    ui.label(RichText::new(text).small().strong());
+}
+
+/// What a user reads for the name of a field in a file: `yarn_diameter` is "Yarn diameter".
+pub fn label_of(field: &str) -> String {
+    let mut label = field.replace('_', " ");
+    if let Some(first) = label.get_mut(0..1) {
+        first.make_ascii_uppercase();
+    }
+    label
+}

@@ -35,7 +35,8 @@ pub fn resolve(choice: BackendChoice, adapters: &[AdapterSummary]) -> BackendKin
     }
 }
 
-/// Makes the backend. Adapters are looked for only where the choice depends on them.
+/// Makes the backend. Adapters are looked for only where the choice depends on them. Where `auto` finds a GPU that does not
+/// start, it says so and takes the processor.
 ///
 /// # Errors
 /// When the GPU is asked for and there is none that can be used.
@@ -45,8 +46,19 @@ pub fn make(choice: BackendChoice) -> Result<Box<dyn Backend>, RenderError> {
         _ => Vec::new(),
     };
     Ok(match resolve(choice, &adapters) {
-        BackendKind::Gpu => Box::new(GpuBackend::new(GpuContext::headless()?)?),
+        BackendKind::Gpu => match (gpu_backend(), choice) {
+            (Ok(gpu), _) => Box::new(gpu),
+            (Err(error), BackendChoice::Auto) => {
+                tracing::warn!("{error}; using the processor");
+                Box::new(CpuBackend::default())
+            }
+            (Err(error), _) => return Err(error),
+        },
         BackendKind::Cpu => Box::new(CpuBackend::default()),
         BackendKind::Reference => Box::new(ReferenceBackend::default()),
     })
+}
+
+fn gpu_backend() -> Result<GpuBackend, RenderError> {
+    GpuBackend::new(GpuContext::headless()?)
 }

@@ -541,3 +541,78 @@ fn reference_table(
         reference_table(text, &heading, &path, what, fields, values);
     }
 }
+
+#[test]
+fn no_text_makes_the_reader_panic_or_blame_a_place_that_is_not_there() {
+    let sound = preset::write(&Design::default()).unwrap();
+    let pieces = [
+        "[",
+        "]",
+        "[[",
+        "{",
+        "}",
+        "=",
+        "\"",
+        "'''",
+        "\n",
+        "nan",
+        "-1e999",
+        "9999999999999999999999",
+        "ä",
+        "#",
+        ".",
+        ",",
+        "\u{0}",
+        "0x7f",
+        "1979-05-27",
+        "true",
+        "pattern",
+        "light.sun",
+        "\r",
+        "\u{feff}",
+    ];
+    // Any fixed sequence will do.
+    let mut state = 1_u64;
+    let mut random = |below: usize| {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % below
+    };
+    let mut refused = 0;
+    for _ in 0..1500 {
+        let mut text: Vec<char> = sound.chars().collect();
+        for _ in 0..=random(3) {
+            let (at, length) = (random(text.len()), random(12));
+            let until = (at + length).min(text.len());
+            let piece = pieces[random(pieces.len())].chars();
+            text.splice(at..until, piece);
+        }
+        let text: String = text.into_iter().collect();
+        let Err(faults) = preset::parse(&text) else {
+            continue;
+        };
+        refused += 1;
+        assert!(!faults.is_empty());
+        let lines: Vec<&str> = text.split('\n').collect();
+        for fault in faults {
+            let line = lines.get(fault.line - 1);
+            let columns = line.map_or(0, |line| line.chars().count() + 1);
+            assert!((1..=columns).contains(&fault.column), "{fault} in\n{text}");
+            assert!(!fault.message.contains('\n'), "{fault}");
+        }
+    }
+    assert!(refused > 500, "only {refused} of 1500 were damaged");
+    // Deep nesting ends in a fault, not in a stack overflow.
+    for open in ["[", "{a="] {
+        let deep = format!("format = 1\nx = {}", open.repeat(100_000));
+        assert!(!faults(&deep).is_empty());
+    }
+}
+
+#[test]
+fn a_byte_order_mark_and_windows_line_ends_do_no_harm() {
+    let text = preset::write(&Design::default()).unwrap();
+    let windows = format!("\u{feff}{}", text.replace('\n', "\r\n"));
+    assert_eq!(preset::parse(&windows), Ok(Design::default()));
+}

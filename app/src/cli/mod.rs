@@ -16,6 +16,8 @@ use std::process::ExitCode;
 use clap::{CommandFactory, Parser, Subcommand};
 use renderer_core::render::RenderError;
 use renderer_core::scene::CompileError;
+use tracing_subscriber::EnvFilter;
+use tracing_subscriber::filter::LevelFilter;
 
 use crate::backend::BackendChoice;
 use crate::files::FileError;
@@ -60,6 +62,7 @@ struct BadArgument(String);
 
 /// Runs the program on the process's arguments.
 pub fn main() -> ExitCode {
+    start_log();
     match run() {
         Ok(()) => ExitCode::SUCCESS,
         // Who reads our output has seen enough, as in `towel-designer info | head -1`.
@@ -70,6 +73,18 @@ pub fn main() -> ExitCode {
             ExitCode::from(if is_bad_input(&error) { 2 } else { 1 })
         }
     }
+}
+
+/// Warnings, and what the variable RUST_LOG asks for, go to stderr.
+fn start_log() {
+    let filter = EnvFilter::builder()
+        .with_default_directive(LevelFilter::WARN.into())
+        .from_env_lossy();
+    tracing_subscriber::fmt()
+        .with_writer(std::io::stderr)
+        .with_env_filter(filter)
+        .without_time()
+        .init();
 }
 
 fn run() -> anyhow::Result<()> {

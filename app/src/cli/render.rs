@@ -142,6 +142,9 @@ pub fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
     };
     let mut backend = timed(&mut seconds.pipelines, || backend::make(arguments.backend))?;
     timed(&mut seconds.upload, || backend.begin(&request))?;
+    let pipelines = backend.pipeline_time().as_secs_f64();
+    seconds.pipelines += pipelines;
+    seconds.upload -= pipelines;
 
     let rendering = Instant::now();
     let (progress, first) = render(&mut *backend, &request, arguments)?;

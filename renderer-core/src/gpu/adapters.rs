@@ -1,6 +1,6 @@
 //! Which adapters this machine has, for `info` and for the choice between GPU and processor.
 
-use wgpu::{Backends, DeviceType, Instance, InstanceDescriptor};
+use super::context::{is_software, usable_adapters};
 
 /// What there is to know about an adapter before using it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -23,25 +23,17 @@ pub struct AdapterSummary {
 
 /// All adapters that can compute, without a window. Empty where no driver is installed, which is no error.
 pub fn adapters() -> Vec<AdapterSummary> {
-    let instance = Instance::new(InstanceDescriptor {
-        backends: Backends::PRIMARY,
-        ..InstanceDescriptor::new_without_display_handle()
-    });
-    let adapters = pollster::block_on(instance.enumerate_adapters(Backends::PRIMARY));
     let summary = |adapter: wgpu::Adapter| {
         let (info, limits) = (adapter.get_info(), adapter.limits());
         AdapterSummary {
+            is_hardware: !is_software(&info),
             name: info.name,
             api: info.backend.to_string(),
             driver: format!("{} {}", info.driver, info.driver_info),
-            is_hardware: matches!(
-                info.device_type,
-                DeviceType::DiscreteGpu | DeviceType::IntegratedGpu | DeviceType::VirtualGpu
-            ),
             texture_side: limits.max_texture_dimension_2d,
             storage_buffer: limits.max_storage_buffer_binding_size,
             buffer: limits.max_buffer_size,
         }
     };
-    adapters.into_iter().map(summary).collect()
+    usable_adapters().into_iter().map(summary).collect()
 }

@@ -33,6 +33,7 @@ pub struct GpuBackend {
     pace: Pace,
     display: Option<wgpu::Texture>,
     filter_f32: bool,
+    pipeline_time: Duration,
 }
 
 /// A picture in the making.
@@ -60,6 +61,7 @@ impl GpuBackend {
             pace: Pace::default(),
             display: None,
             filter_f32: false,
+            pipeline_time: Duration::ZERO,
         })
     }
 
@@ -246,9 +248,13 @@ impl Backend for GpuBackend {
         let scene = SceneBuffers::new(&self.context, &self.pipelines, &request.scene, old)?;
         self.scene = Some(scene);
         let accumulation = Accumulation::new(&self.context, request)?;
+        let needs = SceneNeeds::new(&request.scene, &request.settings, self.filter_f32);
+        let start = Instant::now();
+        self.pipelines.trace(&self.context, needs)?;
+        self.pipeline_time = start.elapsed();
         self.work = Some(Work {
             request: request.clone(),
-            needs: SceneNeeds::new(&request.scene, &request.settings, self.filter_f32),
+            needs,
             schedule: Schedule::new(accumulation.tile_count()),
             accumulation,
             error_estimate: None,
@@ -312,6 +318,10 @@ impl Backend for GpuBackend {
             }
             _ => Ok(Counters::default()),
         }
+    }
+
+    fn pipeline_time(&self) -> Duration {
+        self.pipeline_time
     }
 
     fn device_bytes(&self) -> u64 {

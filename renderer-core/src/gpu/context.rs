@@ -139,21 +139,26 @@ pub fn is_software(info: &wgpu::AdapterInfo) -> bool {
     info.device_type == wgpu::DeviceType::Cpu
 }
 
-/// The best adapter that can compute. OpenGL is left to windows that run on it: without one it is seldom there.
+/// The best adapter that can compute.
 fn best_adapter() -> Option<wgpu::Adapter> {
+    let by_rank = |adapter: &wgpu::Adapter| rank(&adapter.get_info());
+    usable_adapters().into_iter().min_by_key(by_rank)
+}
+
+/// All adapters that can compute what we need. OpenGL is left to windows that run on it: without one it is seldom there.
+pub(super) fn usable_adapters() -> Vec<wgpu::Adapter> {
     let backends = wgpu::Backends::PRIMARY;
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
         backends,
         ..wgpu::InstanceDescriptor::new_without_display_handle()
     });
-    pollster::block_on(instance.enumerate_adapters(backends))
-        .into_iter()
-        .filter(|adapter| {
-            let flags = adapter.get_downlevel_capabilities().flags;
-            flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS)
-                && adapter.limits().max_storage_buffers_per_shader_stage >= STORAGE_BUFFERS
-        })
-        .min_by_key(|adapter| rank(&adapter.get_info()))
+    let mut adapters = pollster::block_on(instance.enumerate_adapters(backends));
+    adapters.retain(|adapter| {
+        let flags = adapter.get_downlevel_capabilities().flags;
+        flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS)
+            && adapter.limits().max_storage_buffers_per_shader_stage >= STORAGE_BUFFERS
+    });
+    adapters
 }
 
 /// Smaller is better.

@@ -189,6 +189,11 @@ pub trait Backend: Send {
     /// When the device fails.
     fn counters(&mut self) -> Result<Counters, RenderError>;
 
+    /// How much of the last [`Self::begin`] went into making pipelines.
+    fn pipeline_time(&self) -> Duration {
+        Duration::ZERO
+    }
+
     /// Bytes held on the device for scene and accumulation.
     fn device_bytes(&self) -> u64;
 }

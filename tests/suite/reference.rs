@@ -1,3 +1,10 @@
 //! The reference renderer against brute force, quadrature and closed forms; its backends.
 
 mod backends;
+mod cloth;
+mod compositing;
+mod light;
+mod phases;
+mod tracking;
+mod walk;
+mod yarns;

@@ -35,6 +35,7 @@ use crate::scene::Scene;
 pub use backend::ReferenceBackend;
 pub use scatter::{Lobe, Optics, Vertex};
 pub use skeleton::{SkeletonHit, Yarns};
+pub use volume::main_axis;
 pub use walk::{CellSpan, Grid, LoopPlace};
 
 /// Draws samples of one request.

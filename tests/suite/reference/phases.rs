@@ -1,0 +1,230 @@
+//! Phase functions: energy, sampling, and the fibre's direction.
+
+use std::f64::consts::PI;
+
+use glam::{DMat3, DVec3};
+use renderer_core::design::{Design, Method, Phase};
+use renderer_core::geometry::{Ray, orthonormal_basis};
+use renderer_core::reference::{Lobe, Optics, Scratch, main_axis};
+use renderer_core::sampling::Pcg;
+use renderer_core::scene::{PileOptics, Section, Volumes, compile};
+
+use super::cloth::{ALL_PHASES, Random, all_loops, tracer};
+
+fn optics(phase: Phase, transmission: f32, specular: f32, exponent: f32) -> Optics {
+    Optics::new(&PileOptics {
+        phase,
+        transmission,
+        specular,
+        exponent,
+        materials: Vec::new(),
+    })
+}
+
+/// ∫ f over the sphere by midpoints; the poles at ±`axis`.
+fn integral(axis: DVec3, f: impl Fn(DVec3) -> f64) -> f64 {
+    let (x, y) = orthonormal_basis(axis);
+    const RINGS: u32 = 720;
+    const STEPS: u32 = 720;
+    let mut sum = 0.0;
+    for ring in 0..RINGS {
+        let (sine, cosine) = (PI * (f64::from(ring) + 0.5) / f64::from(RINGS)).sin_cos();
+        for step in 0..STEPS {
+            let (s, c) = (2.0 * PI * (f64::from(step) + 0.5) / f64::from(STEPS)).sin_cos();
+            sum += sine * f(x * (sine * c) + y * (sine * s) + axis * cosine);
+        }
+    }
+    sum * (PI / f64::from(RINGS)) * (2.0 * PI / f64::from(STEPS))
+}
+
+/// All lobes with parameters that stress them.
+fn lobes(axis: DVec3) -> Vec<(Optics, Lobe)> {
+    let mut lobes = vec![(optics(Phase::Isotropic, 0.0, 0.0, 1.0), Lobe::Isotropic)];
+    for transmission in [0.0, 0.3, 1.0] {
+        let optics = optics(Phase::FrameLambert, transmission, 0.0, 1.0);
+        lobes.push((optics, Lobe::Frame(axis)));
+    }
+    for (specular, exponent) in [(0.0, 1.0), (1.0, 1.0), (0.4, 12.0), (1.0, 500.0)] {
+        let optics = optics(Phase::KajiyaKay, 0.0, specular, exponent);
+        lobes.push((optics, Lobe::Fibre(axis)));
+    }
+    lobes.push((optics(Phase::Isotropic, 0.0, 0.0, 1.0), Lobe::Surface(axis)));
+    lobes
+}
+
+#[test]
+fn every_phase_keeps_its_energy() {
+    let axis = DVec3::new(0.2, -0.6, 0.5).normalize();
+    let mut random = Random::new(1);
+    let mut views: Vec<_> = (0..4).map(|_| random.direction()).collect();
+    views.extend([axis, -axis, axis.any_orthonormal_vector()]);
+    for (optics, lobe) in lobes(axis) {
+        for &view in &views {
+            let sum = integral(axis, |light| optics.value(lobe, view, light));
+            // Exactly 1 for all of them: rings of π/720 integrate the sharpest highlight (0.1 rad) to 10⁻⁴, the
+            // table of 257 norms is linear between entries to 10⁻⁴.
+            assert!(
+                (sum - 1.0).abs() < 1e-3,
+                "{lobe:?} {optics:?} from {view}: {sum}"
+            );
+        }
+    }
+}
+
+#[test]
+fn samples_follow_the_value() {
+    // The mean of weight·g(direction) must be ∫ value·g for any g; g is a lobe about a random direction.
+    let axis = DVec3::new(-0.3, 0.1, 0.9).normalize();
+    let mut random = Random::new(2);
+    for (optics, lobe) in lobes(axis) {
+        let view = random.direction();
+        let centre = random.direction();
+        let g = |direction: DVec3| 1.0 + direction.dot(centre) + direction.dot(centre).powi(3);
+        let expected = integral(axis, |light| optics.value(lobe, view, light) * g(light));
+        const SIDE: u32 = 400;
+        let mut sum = 0.0;
+        for i in 0..SIDE {
+            for j in 0..SIDE {
+                let at = |k: u32| (f64::from(k) + 0.5) / f64::from(SIDE);
+                let (direction, weight) = optics.sample(lobe, view, [at(i), at(j)]);
+                assert!((direction.length() - 1.0).abs() < 1e-12);
+                sum += weight * g(direction);
+            }
+        }
+        let mean = sum / f64::from(SIDE * SIDE);
+        // Midpoints over 400² strata; the highlight with p = 500 is 0.1 rad wide on the sphere of 400 rings: 1 %.
+        assert!(
+            (mean - expected).abs() < 0.01,
+            "{lobe:?} {optics:?}: {mean}, not {expected}"
+        );
+    }
+}
+
+#[test]
+fn frame_lambert_reflects_and_lets_through() {
+    let optics = optics(Phase::FrameLambert, 0.3, 0.0, 1.0);
+    let lobe = Lobe::Frame(DVec3::Z);
+    let view = DVec3::new(0.5, 0.0, 0.8).normalize();
+    let light = DVec3::new(0.0, 0.6, 0.8);
+    assert!((optics.value(lobe, view, light) - 0.7 * 0.8 / PI).abs() < 1e-7);
+    assert!((optics.value(lobe, view, -light) - 0.3 * 0.8 / PI).abs() < 1e-7);
+    assert!((optics.value(lobe, -view, light) - 0.3 * 0.8 / PI).abs() < 1e-7);
+}
+
+#[test]
+fn kajiya_kay_has_its_highlight_cone() {
+    let optics = optics(Phase::KajiyaKay, 0.0, 0.5, 40.0);
+    let lobe = Lobe::Fibre(DVec3::X);
+    let at = |theta: f64, phi: f64| {
+        DVec3::new(
+            theta.cos(),
+            theta.sin() * phi.cos(),
+            theta.sin() * phi.sin(),
+        )
+    };
+    let view = at(0.8, 0.3);
+    // Brightest where θ_l = π − θ_v, equally at every azimuth.
+    let peak = optics.value(lobe, view, at(PI - 0.8, 0.0));
+    for phi in [1.0, 3.0, 5.0] {
+        assert!((optics.value(lobe, view, at(PI - 0.8, phi)) - peak).abs() < 1e-12);
+    }
+    for off in [-0.2, 0.2] {
+        assert!(optics.value(lobe, view, at(PI - 0.8 + off, 0.0)) < 0.9 * peak);
+    }
+    // Away from the cone only the diffuse part is left: (1 − s)·sin θ/π².
+    let diffuse = optics.value(lobe, view, at(0.6, 2.0));
+    assert!((diffuse - 0.5 * 0.6_f64.sin() / PI.powi(2)).abs() < 1e-6);
+}
+
+#[test]
+fn main_axes_are_found() {
+    let mut random = Random::new(3);
+    for _ in 0..2_000 {
+        let axis = random.direction();
+        let (x, y) = orthonormal_basis(axis);
+        let outer = |v: DVec3| DMat3::from_cols(v * v.x, v * v.y, v * v.z);
+        // Second largest eigenvalue up to 0.8 of the largest.
+        let matrix = outer(axis) * random.within(0.1, 50.0);
+        let size = matrix.col(0).length() + matrix.col(1).length() + matrix.col(2).length();
+        let minor = random.within(0.0, 0.25) * size;
+        let matrix = matrix + outer(x) * minor + outer(y) * (0.5 * minor);
+        let found = main_axis(matrix);
+        // 0.8²⁵⁶ is 10⁻²⁵; what is left is rounding.
+        assert!(
+            (found.dot(axis).abs() - 1.0).abs() < 1e-9,
+            "{found} for {axis}"
+        );
+    }
+    assert_eq!(main_axis(DMat3::ZERO), DVec3::Y);
+}
+
+#[test]
+fn fibres_follow_the_frame_of_their_loop() {
+    // All fibres along v in the reference loop: then along ∂X/∂v wherever they are hit.
+    let mut design = Design::default();
+    (design.sheet.warps, design.sheet.wefts) = (5, 5);
+    design.pile.phase = Phase::KajiyaKay;
+    design.pile.tilt = 90.0;
+    design.skeleton.visible = false;
+    let mut scene = compile(&design).expect("a valid design");
+    let mut volumes = Volumes::clone(&scene.volumes);
+    for tangent in &mut volumes.tangents {
+        *tangent = [0, 127, 0, 0, 0, 0, 0, 0];
+    }
+    scene.volumes = Section::new(volumes);
+    let loops = all_loops(&scene);
+    let tracer = tracer(scene.clone(), Method::Tracked);
+    let (mut scratch, mut random, mut pcg) = (Scratch::default(), Random::new(4), Pcg::new(8, 8));
+    let mut found = 0;
+    for _ in 0..400 {
+        let ray: Ray = random.ray_at(&scene);
+        let Some(vertex) = tracer.collision(&ray, &mut pcg, &mut scratch) else {
+            continue;
+        };
+        let Lobe::Fibre(tangent) = vertex.lobe else {
+            panic!("{vertex:?}")
+        };
+        // One of the loops at the point has this direction along v.
+        let fits = loops.iter().any(|brute| {
+            brute
+                .frame
+                .invert(vertex.position - brute.origin)
+                .is_some_and(|[u, v, _]| {
+                    let [_, along_v] = brute.frame.patch.tangents(u, v);
+                    (along_v.normalize().dot(tangent).abs() - 1.0).abs() < 1e-9
+                })
+        });
+        assert!(fits, "{vertex:?}");
+        found += 1;
+    }
+    assert!(found > 100, "{found}");
+}
+
+#[test]
+fn each_phase_makes_its_own_lobe() {
+    for phase in ALL_PHASES {
+        let mut design = Design::default();
+        (design.sheet.warps, design.sheet.wefts) = (5, 5);
+        design.pile.phase = phase;
+        design.skeleton.visible = false;
+        let scene = compile(&design).expect("a valid design");
+        let mut random = Random::new(5);
+        for method in [Method::Single, Method::Layered] {
+            let tracer = tracer(scene.clone(), method);
+            let mut scratch = Scratch::default();
+            let vertex = (0..200)
+                .find_map(|_| tracer.first_event(&random.ray_at(&scene), 0.9, &mut scratch))
+                .expect("the towel is hit");
+            match (phase, vertex.lobe) {
+                (Phase::Isotropic, Lobe::Isotropic) => {}
+                (Phase::FrameLambert, Lobe::Frame(normal)) => {
+                    assert!((normal.dot(vertex.normal).abs() - 1.0).abs() < 1e-12);
+                }
+                (Phase::KajiyaKay, Lobe::Fibre(tangent)) => {
+                    assert!((tangent.length() - 1.0).abs() < 1e-12);
+                }
+                other => panic!("{other:?}"),
+            }
+        }
+    }
+}

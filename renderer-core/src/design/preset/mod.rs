@@ -1,7 +1,7 @@
 //! Preset files: a design as commented TOML, `format = 1`.
 //!
 //! - [`parse`] reads a file and reports every fault in it with line and column; nothing is half read.
-//! - [`write`] writes every field with its unit, range and meaning. What it writes, [`parse`] reads back equal.
+//! - [`write()`] writes every field with its unit, range and meaning. What it writes, [`parse`] reads back equal.
 //! - [`set`] changes one field by its path, as `--set pile.tilt=30` does.
 //!
 //! Types, names and ranges come from [`Shape`](super::Shape), the same description that `section!` makes for the

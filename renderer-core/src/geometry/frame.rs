@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use super::BilinearPatch;
+use super::{BilinearPatch, Interval, Ray};
 
 /// A patch with its thickness: the space of one loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,8 +18,11 @@ pub struct LoopFrame {
     pub thickness: f64,
     /// A·n̂: the patch's corners are a quarter of it out of the plane of b and c, mm.
     pub lift: f64,
-    /// |b × c|, mm².
-    area: f64,
+    /// The dual vectors of b and c in their plane: the first has product 1 with b and 0 with c, the second the other
+    /// way round.
+    duals: [DVec3; 2],
+    /// (α, β): the part of A in the plane of b and c is αb + βc.
+    skew: [f64; 2],
 }
 
 /// How u, v and w change along a ray, per mm.
@@ -39,12 +42,15 @@ impl LoopFrame {
         let product = patch.along_u.cross(patch.along_v);
         let area = product.length();
         let normal = product / area;
+        let unit = normal / area;
+        let duals = [patch.along_v.cross(unit), unit.cross(patch.along_u)];
         Self {
             patch,
             normal,
             thickness,
             lift: patch.twist.dot(normal),
-            area,
+            duals,
+            skew: duals.map(|dual| patch.twist.dot(dual)),
         }
     }
 
@@ -71,19 +77,24 @@ impl LoopFrame {
         }
     }
 
-    /// The dual vectors of b and c in their plane: the first has product 1 with b and 0 with c, the second the other
-    /// way round.
-    fn duals(&self) -> [DVec3; 2] {
-        let unit = self.normal / self.area;
-        [
-            self.patch.along_v.cross(unit),
-            unit.cross(self.patch.along_u),
-        ]
-    }
-
     /// (α, β): the part of A in the plane of b and c is αb + βc.
     pub fn skew(&self) -> [f64; 2] {
-        self.duals().map(|dual| self.patch.twist.dot(dual))
+        self.skew
+    }
+
+    /// The part of `span` along a ray outside of which the ray is certainly not in the frame: there |u′|, |v′| and |w| stay
+    /// within ½, and with them p, q and the height over the middle plane, which are linear along the ray.
+    pub fn clip(&self, ray: &Ray, span: Interval) -> Interval {
+        let offset = ray.origin - self.patch.centre;
+        let within = |span: Interval, axis: DVec3, bound: f64| {
+            let range = Interval::new(-bound, bound);
+            span.clip_linear(offset.dot(axis), ray.direction.dot(axis), range)
+        };
+        let [u_bound, v_bound] = self.skew.map(|skew| 0.5 + 0.25 * skew.abs());
+        let height_bound = 0.5 * self.thickness + 0.25 * self.lift.abs();
+        let span = within(span, self.normal, height_bound);
+        let span = within(span, self.duals[0], u_bound);
+        within(span, self.duals[1], v_bound)
     }
 
     /// Coordinates (u, v, w) of a point, if it is inside: u and v in [0, 1], w in [−½, ½]. Exact for convex frames.
@@ -96,10 +107,8 @@ impl LoopFrame {
         if height.abs() > 0.5 * self.thickness + 0.25 * self.lift.abs() {
             return None;
         }
-        let [dual_u, dual_v] = self.duals();
-        let (p, q) = (offset.dot(dual_u), offset.dot(dual_v));
-        let twist = self.patch.twist;
-        let (alpha, beta) = (twist.dot(dual_u), twist.dot(dual_v));
+        let [p, q] = self.duals.map(|dual| offset.dot(dual));
+        let [alpha, beta] = self.skew;
         let linear = 1.0 + alpha * q - beta * p;
         let discriminant = linear * linear + 4.0 * beta * p;
         if discriminant < 0.0 {

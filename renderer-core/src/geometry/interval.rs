@@ -45,6 +45,11 @@ impl Interval {
         }
     }
 
+    /// Whether it holds `value`; its ends belong to it.
+    pub fn holds(&self, value: f64) -> bool {
+        self.low <= value && value <= self.high
+    }
+
     /// Whether it shares a value with `other`.
     pub fn overlaps(&self, other: Self) -> bool {
         self.low <= other.high && other.low <= self.high

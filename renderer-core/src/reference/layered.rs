@@ -54,7 +54,7 @@ impl Tracer {
         counters: &mut Counters,
         mut found: impl FnMut(LayerCrossing, &mut Counters),
     ) {
-        let frame = self.frame(self.patch(place));
+        let frame = self.frame(place);
         let count = f64::from(self.scene.volumes.layers);
         let unit = Interval::new(0.0, 1.0);
         for layer in 0..self.scene.volumes.layers {

@@ -3,10 +3,10 @@
 use glam::DVec3;
 
 use super::volume::LoopVolume;
-use super::walk::{CellLoops, CellSpan, LoopPlace, patch_of};
+use super::walk::{CellLoops, CellSpan, LoopPlace};
 use super::{Lobe, SkeletonHit, Tracer, Vertex};
 use crate::design::Phase;
-use crate::geometry::{BilinearPatch, LoopFrame, Ray};
+use crate::geometry::{LoopFrame, Ray};
 
 impl Tracer {
     /// World position of the origin of coordinates of a loop planted in `cell`.
@@ -26,15 +26,9 @@ impl Tracer {
         CellLoops::new(&self.scene.sheet, &self.scene.loops, cell)
     }
 
-    /// A loop's patch, relative to its own cell.
-    pub(super) fn patch(&self, place: LoopPlace) -> BilinearPatch {
-        let loops = &self.scene.loops;
-        patch_of(&loops.shapes[place.index], loops.base_width_mm)
-    }
-
-    /// The frame about a loop's patch.
-    pub(super) fn frame(&self, patch: BilinearPatch) -> LoopFrame {
-        LoopFrame::new(patch, f64::from(self.scene.loops.thickness_mm))
+    /// A loop's frame, relative to its own cell.
+    pub(super) fn frame(&self, place: LoopPlace) -> &LoopFrame {
+        &self.frames[place.index]
     }
 
     /// A loop's volume.
@@ -52,7 +46,7 @@ impl Tracer {
         inside: [f64; 3],
         shade: f64,
     ) -> Vertex {
-        let frame = self.frame(self.patch(place));
+        let frame = self.frame(place);
         let lobe = match self.optics.phase() {
             Phase::Isotropic => Lobe::Isotropic,
             Phase::FrameLambert => Lobe::Frame(frame.normal),

@@ -26,11 +26,12 @@ mod walk;
 use std::sync::Arc;
 
 use glam::DVec2;
+use rayon::prelude::*;
 
-use crate::geometry::Ray;
+use crate::geometry::{Interval, LoopFrame, Ray};
 use crate::render::accumulation::Sample;
 use crate::render::{Camera, Counters, RenderRequest, Settings};
-use crate::scene::Scene;
+use crate::scene::{Loops, Scene};
 
 pub use backend::ReferenceBackend;
 pub use scatter::{Lobe, Optics, Vertex};
@@ -46,6 +47,8 @@ pub struct Tracer {
     size: [u32; 2],
     settings: Settings,
     grid: Grid,
+    /// The frame of each loop: every ray needs some, and most are needed by many.
+    frames: Vec<LoopFrame>,
     yarns: Option<Yarns>,
     optics: Optics,
     /// Extinction of the densest material, 1/mm.
@@ -59,6 +62,7 @@ pub struct Scratch {
     pub counters: Counters,
     events: Vec<first_event::Event>,
     overlaps: Vec<tracked::Overlap>,
+    along: Vec<(LoopPlace, Interval)>,
 }
 
 impl AsMut<Counters> for Scratch {
@@ -82,6 +86,7 @@ impl Tracer {
             size: request.size,
             settings: request.settings,
             grid: Grid::new(&scene.sheet, &scene.loops, yarns.as_ref()),
+            frames: frames(&scene.loops),
             optics: Optics::new(&scene.pile),
             densest_per_mm: densest,
             yarns,
@@ -104,4 +109,11 @@ impl Tracer {
     pub fn grid(&self) -> &Grid {
         &self.grid
     }
+}
+
+/// The frames of all loops, each relative to its own cell.
+fn frames(loops: &Loops) -> Vec<LoopFrame> {
+    let thickness = f64::from(loops.thickness_mm);
+    let frame = |shape| LoopFrame::new(walk::patch_of(shape, loops.base_width_mm), thickness);
+    loops.shapes.par_iter().map(frame).collect()
 }

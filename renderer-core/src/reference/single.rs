@@ -129,13 +129,12 @@ impl Tracer {
         mut found: impl FnMut(Crossing, &mut Counters),
     ) {
         counters.patch_tests += 1;
-        let patch = self.patch(place);
-        let roots = patch.roots(ray);
+        let frame = self.frame(place);
+        let roots = frame.patch.roots(ray);
         let roots = roots.as_slice();
         if roots.is_empty() {
             return;
         }
-        let frame = self.frame(patch);
         for (index, &root) in roots.iter().enumerate() {
             let mut side = Interval::new(f64::NEG_INFINITY, f64::INFINITY);
             if let [first, second] = *roots {
@@ -146,7 +145,7 @@ impl Tracer {
                     side.low = middle;
                 }
             }
-            let crossing = crossing(&frame, ray, root, side);
+            let crossing = crossing(frame, ray, root, side);
             if !crossing.interval.is_empty() {
                 found(crossing, counters);
             }

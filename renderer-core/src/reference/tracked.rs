@@ -1,10 +1,10 @@
 //! `tracked`: random free paths through the summed densities of all loops (Woodcock's delta tracking), and their
 //! expected transmittance for shadow rays (ratio tracking). Unbiased, without a step, overlaps exact (MODEL.md §9).
 //!
-//! Where loops overlap, σ = Σ density_k·ρ_k · min(1, 1.5/Σρ_k) (MODEL.md §5). In a cell that lists one loop σ is at most the
-//! densest material's, else 1.5 times that: the cell's majorant. A free path is one optical depth −ln(1 − u) spent
+//! Where loops overlap, σ = Σ density_k·ρ_k · min(1, 1.5/Σρ_k) (MODEL.md §5). Where a ray may meet one loop in a cell σ is at
+//! most the densest material's, else 1.5 times that: the majorant. A free path is one optical depth −ln(1 − u) spent
 //! cell by cell at the majorant's rate; where it is spent, the ray collides with probability σ/majorant, otherwise it
-//! draws the next one. Outside a cell's range of heights nothing is spent.
+//! draws the next one. Before the first loop that a ray may meet in a cell and behind the last nothing is spent.
 
 use std::ops::ControlFlow;
 
@@ -13,6 +13,7 @@ use glam::DVec3;
 use super::walk::CellLoops;
 use super::{LoopPlace, Scratch, SkeletonHit, Tracer, Vertex};
 use crate::geometry::{Interval, Ray};
+use crate::render::Counters;
 use crate::sampling::Pcg;
 
 /// How many times denser than one solid yarn overlapping yarns may be.
@@ -43,16 +44,21 @@ struct Tentative {
 }
 
 impl Tracer {
-    /// σ at a point, and the loops that make it, each with its share of σ; `point` lies in the cell of `loops`.
-    fn overlaps_at(&self, point: DVec3, loops: &CellLoops<'_>, scratch: &mut Scratch) -> f64 {
+    /// σ at a point, and the loops that make it, each with its share of σ; `places` holds all loops that may be there.
+    fn overlaps_at(
+        &self,
+        point: DVec3,
+        places: impl Iterator<Item = LoopPlace>,
+        scratch: &mut Scratch,
+    ) -> f64 {
         let Scratch {
             counters, overlaps, ..
         } = scratch;
         overlaps.clear();
         let mut sum_rho = 0.0;
-        for place in loops.within(Interval::new(point.z, point.z)) {
+        for place in places {
             counters.patch_tests += 1;
-            let frame = self.frame(self.patch(place));
+            let frame = self.frame(place);
             let Some(inside) = frame.invert(point - self.cell_origin(place.cell)) else {
                 continue;
             };
@@ -85,7 +91,29 @@ impl Tracer {
     /// σ at a point of the world, 1/mm.
     pub fn extinction(&self, point: DVec3, scratch: &mut Scratch) -> f64 {
         let loops = self.loops_in(self.grid.cell_at(point.x, point.y));
-        self.overlaps_at(point, &loops, scratch)
+        let places = loops.within(Interval::new(point.z, point.z));
+        self.overlaps_at(point, places, scratch)
+    }
+
+    /// The loops that a ray may meet in its part `part` of a cell, each with where.
+    fn loops_along(
+        &self,
+        ray: &Ray,
+        part: Interval,
+        loops: &CellLoops<'_>,
+        counters: &mut Counters,
+        found: &mut Vec<(LoopPlace, Interval)>,
+    ) {
+        found.clear();
+        let (a, b) = (ray.at(part.low).z, ray.at(part.high).z);
+        for place in loops.within(Interval::new(a.min(b), a.max(b))) {
+            counters.patch_tests += 1;
+            let local = ray.relative_to(self.cell_origin(place.cell));
+            let span = self.frame(place).clip(&local, part);
+            if !span.is_empty() {
+                found.push((place, span));
+            }
+        }
     }
 
     /// Calls `collide` at the tentative collisions of a ray, in order, until it breaks or the ray meets the skeleton or
@@ -108,28 +136,44 @@ impl Tracer {
                 ray.direction.z,
                 loops.heights,
             );
-            let majorant = match loops.count() {
+            let mut along = std::mem::take(&mut scratch.along);
+            if part.is_empty() {
+                along.clear();
+            } else {
+                self.loops_along(ray, part, &loops, &mut scratch.counters, &mut along);
+            }
+            let majorant = match along.len() {
                 0 => 0.0,
                 1 => self.densest_per_mm,
                 _ => MOST_OVERLAP * self.densest_per_mm,
             };
-            let mut t = part.low;
-            // Also false where the part is empty.
-            while majorant > 0.0 && t < part.high {
+            // Nothing is met before the first loop, nor behind the last.
+            let spans = || along.iter().map(|(_, span)| span);
+            let mut t = spans().fold(f64::INFINITY, |t, span| t.min(span.low));
+            let end = spans().fold(f64::NEG_INFINITY, |t, span| t.max(span.high));
+            let mut broke = false;
+            while t < end {
                 let collision = t + depth_left / majorant;
-                if collision >= part.high {
-                    depth_left -= (part.high - t) * majorant;
+                if collision >= end {
+                    depth_left -= (end - t) * majorant;
                     break;
                 }
                 t = collision;
-                let sigma = self.overlaps_at(ray.at(t), &loops, scratch);
+                let holding = along.iter().filter(|(_, span)| span.holds(t));
+                let places = holding.map(|&(place, _)| place);
+                let sigma = self.overlaps_at(ray.at(t), places, scratch);
                 if sigma > 0.0 {
                     let tentative = Tentative { t, majorant, sigma };
-                    if collide(&tentative, pcg, scratch).is_break() {
-                        return None;
+                    broke = collide(&tentative, pcg, scratch).is_break();
+                    if broke {
+                        break;
                     }
                 }
                 depth_left = free_depth(pcg);
+            }
+            scratch.along = along;
+            if broke {
+                return None;
             }
             if skeleton.is_some() {
                 return skeleton;

@@ -213,11 +213,6 @@ impl<'a> CellLoops<'a> {
         }
     }
 
-    /// How many loops the cell lists.
-    pub fn count(&self) -> usize {
-        self.entries.len()
-    }
-
     /// The loops whose part in this cell is somewhere within `heights`.
     pub fn within(&self, heights: Interval) -> impl Iterator<Item = LoopPlace> + use<'a> {
         let Self {

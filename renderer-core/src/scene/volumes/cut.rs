@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use noise::{NoiseFn, Perlin};
 
-use super::{Field, LoopSize, MARGIN, Yarn, falloff, signed, variant_random};
+use super::{Field, GROOVE_SHADE, LoopSize, MARGIN, Yarn, falloff, signed, variant_random};
 use crate::design::Pile;
 use crate::sampling::Pcg;
 
@@ -81,7 +81,7 @@ impl Field for Cut {
         );
         Yarn {
             density,
-            shade: 1.0 - 0.1 * streak,
+            shade: 1.0 - GROOVE_SHADE * streak,
             tangent: spread.normalize_or(DVec3::Y),
         }
     }

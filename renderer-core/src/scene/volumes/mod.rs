@@ -22,6 +22,10 @@ const SUPERSAMPLES: usize = 2;
 /// Share of the yarn's diameter left free around the yarn inside its patch, for stray fibres.
 const MARGIN: f64 = 0.12;
 
+/// How much less of its light yarn gives back between fibres. Small: a hundredth is as much as white cotton absorbs at
+/// one scattering, and light scatters dozens of times.
+const GROOVE_SHADE: f64 = 0.01;
+
 /// Size of the reference loop, mm.
 #[derive(Debug, Clone, Copy)]
 struct LoopSize {

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use glam::{DVec2, DVec3};
 use noise::{NoiseFn, Perlin};
 
-use super::{Field, LoopSize, MARGIN, Yarn, falloff, signed, variant_random};
+use super::{Field, GROOVE_SHADE, LoopSize, MARGIN, Yarn, falloff, signed, variant_random};
 use crate::design::Pile;
 use crate::sampling::Pcg;
 
@@ -119,7 +119,7 @@ impl Field for Terry {
             (axis + around * (self.plies.twist_per_mm * self.yarn_radius)).normalize_or(axis);
         Yarn {
             density: falloff(ply_radius) * (1.0 - 0.35 * streak),
-            shade: 1.0 - 0.1 * streak,
+            shade: 1.0 - GROOVE_SHADE * streak,
             tangent,
         }
     }

@@ -38,9 +38,9 @@ impl Purpose {
     }
 }
 
-/// A system dialog gone sooner than this cannot have been seen: there is none on this machine. (Without a desktop
-/// portal it fails within 40 ms; nobody cancels a dialog within a third of a second.)
-const NEVER_OPENED: Duration = Duration::from_millis(300);
+/// A system dialog gone sooner than this has not been seen: there is none on this machine. (Without a desktop portal it
+/// fails within 40 ms, on a busy machine later; who cancels a real one this fast can cancel ours too.)
+const NEVER_OPENED: Duration = Duration::from_secs(1);
 
 /// The dialog that is open, if any.
 pub struct Dialogs {
@@ -49,10 +49,12 @@ pub struct Dialogs {
     browser: Option<(Purpose, FileBrowser)>,
 }
 
+/// What was chosen in a system dialog, and for how long it was open.
+type Answer = (Option<PathBuf>, Duration);
+
 struct SystemDialog {
     purpose: Purpose,
-    answer: Receiver<Option<PathBuf>>,
-    opened: Instant,
+    answer: Receiver<Answer>,
     folder: PathBuf,
     name: String,
 }
@@ -83,7 +85,6 @@ impl Dialogs {
             self.system = Some(SystemDialog {
                 purpose,
                 answer,
-                opened: Instant::now(),
                 folder: folder.into(),
                 name: name.into(),
             });
@@ -103,13 +104,13 @@ impl Dialogs {
 
     fn poll_system(&mut self) -> Option<(Purpose, Option<PathBuf>)> {
         let dialog = self.system.as_ref()?;
-        let answer = match dialog.answer.try_recv() {
+        let (answer, open_for) = match dialog.answer.try_recv() {
             Err(TryRecvError::Empty) => return None,
             Ok(answer) => answer,
-            Err(TryRecvError::Disconnected) => None,
+            Err(TryRecvError::Disconnected) => (None, Duration::ZERO),
         };
         let dialog = self.system.take()?;
-        if answer.is_none() && dialog.opened.elapsed() < NEVER_OPENED {
+        if answer.is_none() && open_for < NEVER_OPENED {
             self.browse(dialog.purpose, &dialog.folder, &dialog.name);
             return None;
         }
@@ -133,7 +134,7 @@ fn open_system_dialog(
     folder: &Path,
     name: &str,
     ctx: &Context,
-) -> Option<Receiver<Option<PathBuf>>> {
+) -> Option<Receiver<Answer>> {
     let kind = purpose.kind();
     // Made here, since macOS wants dialogs from the main thread; waited for elsewhere.
     let mut dialog = rfd::AsyncFileDialog::new()
@@ -148,6 +149,7 @@ fn open_system_dialog(
     let (sender, receiver) = channel();
     let ctx = ctx.clone();
     let ending = kind.endings.first().copied().unwrap_or_default();
+    let opened = Instant::now();
     let wait = move |answer: Option<rfd::FileHandle>| {
         let path = answer.map(|file| file.path().to_path_buf());
         let path = path.map(|path| match path.extension() {
@@ -155,7 +157,7 @@ fn open_system_dialog(
             _ => path,
         });
         // Nobody listens any more when the window is closing.
-        let _ = sender.send(path);
+        let _ = sender.send((path, opened.elapsed()));
         ctx.request_repaint();
     };
     let thread = std::thread::Builder::new().name("file dialog".into());

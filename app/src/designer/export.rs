@@ -12,7 +12,7 @@ use renderer_core::image::{Depth, Display, encode_png};
 use renderer_core::render::{Camera, MAX_SIDE, RenderRequest, Settings};
 use renderer_core::scene;
 
-use super::render_thread::MakeBackend;
+use super::renderer::MakeBackend;
 use super::tasks::{Poll, Task};
 use super::viewport::seconds_text;
 use crate::backend::BackendChoice;

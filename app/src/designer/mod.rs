@@ -21,6 +21,7 @@ mod notices;
 pub mod panels;
 mod preset_list;
 mod render_thread;
+mod renderer;
 mod style;
 mod tasks;
 mod viewport;
@@ -38,7 +39,8 @@ use renderer_core::design::{ChartImage, Design};
 
 pub use command::Command;
 pub use document::Document;
-pub use render_thread::{MakeBackend, Shown, Wish};
+pub use render_thread::{Shown, Wish};
+pub use renderer::{MakeBackend, Shot};
 pub use widgets::label_of;
 
 use crate::backend::{self, BackendChoice};
@@ -141,7 +143,7 @@ impl App {
         style::apply(ctx);
         let mut app = Self {
             document: Document::default(),
-            viewport: Viewport::new(Arc::clone(&setup.make), setup.choice, ctx),
+            viewport: Viewport::new(Arc::clone(&setup.make), setup.choice, cc),
             panels: Panels::default(),
             presets: PresetList::new(ctx),
             dialogs: Dialogs::new(setup.system_dialogs),
@@ -529,6 +531,7 @@ impl eframe::App for App {
     fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
         let ctx = ui.ctx().clone();
         self.close_requested(&ctx);
+        self.viewport.take_news(&ctx);
         self.take_loaded();
         self.take_dropped_files(&ctx);
         let is_asking = self.dialogs.is_browsing() || self.asked.is_some();

@@ -12,23 +12,20 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use egui::{Color32, ColorImage};
 use renderer_core::design::{CameraDesign, Design};
-use renderer_core::image::{Display, Picture};
-use renderer_core::render::{
-    Backend, BackendKind, Camera, Progress, RenderError, RenderRequest, Settings,
-};
+use renderer_core::image::Display;
+use renderer_core::render::{BackendKind, Camera, Progress, RenderRequest, Settings};
 use renderer_core::scene::{self, Compiler, LoopCounts, Scene};
 
-use super::display_table::DisplayTable;
+use super::renderer::{Developer, MakeRenderer, Renderer, Shot};
 use crate::backend::BackendChoice;
-
-/// Makes a backend, on the render thread.
-pub type MakeBackend =
-    Arc<dyn Fn(BackendChoice) -> Result<Box<dyn Backend>, RenderError> + Send + Sync>;
 
 /// How long a backend works before the thread looks for news.
 const SLICE: Duration = Duration::from_millis(50);
+/// The same on the window's own device, whose frames must wait for what is under way there.
+const SHORT_SLICE: Duration = Duration::from_millis(12);
+/// Pictures are published at most this often.
+const PUBLISHING: Duration = Duration::from_millis(50);
 /// A first picture that takes longer than this is drawn smaller.
 const FIRST_PICTURE: f64 = 0.06;
 /// Samples of a small picture.
@@ -69,7 +66,7 @@ pub enum Activity {
 #[derive(Debug, Clone, Default)]
 pub struct Shown {
     /// The newest picture.
-    pub image: Option<Arc<ColorImage>>,
+    pub image: Option<Shot>,
     /// Counts pictures, so that the viewport notices a new one.
     pub version: u64,
     /// What the newest picture shows; its samples are those of a smaller picture while `is_reduced`.
@@ -114,14 +111,14 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 /// Handle of the thread; dropping it stops and joins it.
 pub struct RenderThread {
     shared: Arc<Shared>,
-    make: MakeBackend,
+    make: MakeRenderer,
     repaint: egui::Context,
     thread: Option<JoinHandle<()>>,
 }
 
 impl RenderThread {
     /// Starts the thread. It asks `repaint` for a frame whenever it has news.
-    pub fn new(make: MakeBackend, repaint: egui::Context) -> Self {
+    pub fn new(make: MakeRenderer, repaint: egui::Context) -> Self {
         let mut this = Self {
             shared: Arc::default(),
             make,
@@ -196,15 +193,14 @@ impl Drop for RenderThread {
 
 struct Worker<'a> {
     shared: &'a Shared,
-    make: MakeBackend,
+    make: MakeRenderer,
     repaint: &'a egui::Context,
-    backend: Option<(BackendChoice, Box<dyn Backend>)>,
+    renderer: Option<(BackendChoice, Renderer)>,
     wish: Option<Wish>,
     compiler: Compiler,
     scene: Option<Arc<Scene>>,
     job: Option<Job>,
-    picture: Option<Picture>,
-    table: DisplayTable,
+    developer: Developer,
     /// Seconds for a sample of a pixel, as last measured.
     cost: Option<f64>,
 }
@@ -224,18 +220,17 @@ struct Job {
 }
 
 impl<'a> Worker<'a> {
-    fn new(shared: &'a Shared, make: MakeBackend, repaint: &'a egui::Context) -> Self {
+    fn new(shared: &'a Shared, make: MakeRenderer, repaint: &'a egui::Context) -> Self {
         Self {
             shared,
             make,
             repaint,
-            backend: None,
+            renderer: None,
             wish: None,
             compiler: Compiler::default(),
             scene: None,
             job: None,
-            picture: None,
-            table: DisplayTable::default(),
+            developer: Developer::default(),
             cost: None,
         }
     }
@@ -248,7 +243,7 @@ impl<'a> Worker<'a> {
             };
             if let Err(error) = result {
                 // What remains of a failed device is of no use; the next wish makes a new one.
-                self.backend = None;
+                self.renderer = None;
                 self.job = None;
                 self.publish(|shown| {
                     shown.activity = Activity::Idle;
@@ -297,15 +292,12 @@ impl<'a> Worker<'a> {
             settings: Settings::from(&wish.design.quality),
         };
         let same_request = self.job.as_ref().is_some_and(|job| job.request == request);
-        let same_display = self
-            .wish
-            .as_ref()
-            .is_some_and(|w| w.display == wish.display);
-        self.table.set(wish.display);
+        let last_display = self.wish.as_ref().map(|wish| wish.display);
+        let display = wish.display;
         self.wish = Some(wish);
         if same_request {
-            if !same_display {
-                self.show_picture();
+            if last_display != Some(display) {
+                self.show_again(display)?;
             }
             return Ok(());
         }
@@ -357,20 +349,17 @@ impl<'a> Worker<'a> {
     }
 
     fn choose_backend(&mut self, choice: BackendChoice) -> Result<(), String> {
-        if self
-            .backend
-            .as_ref()
-            .is_some_and(|(made, _)| *made == choice)
-        {
+        if matches!(&self.renderer, Some((made, _)) if *made == choice) {
             return Ok(());
         }
         // The old one goes first: two of them may be more than the device's memory holds.
-        self.backend = None;
+        self.renderer = None;
         self.job = None;
         self.cost = None;
-        let backend = (self.make)(choice).map_err(|error| error.to_string())?;
+        let mut renderer = (self.make)(choice).map_err(|error| error.to_string())?;
+        let backend = renderer.backend();
         let device = Some((backend.kind(), backend.device_name()));
-        self.backend = Some((choice, backend));
+        self.renderer = Some((choice, renderer));
         self.publish(|shown| shown.device = device);
         Ok(())
     }
@@ -390,9 +379,10 @@ impl<'a> Worker<'a> {
 
     /// Hands the job's picture, at its present divisor, to the backend.
     fn begin(&mut self) -> Result<(), String> {
-        let (Some(job), Some((_, backend))) = (&mut self.job, &mut self.backend) else {
+        let (Some(job), Some((_, renderer))) = (&mut self.job, &mut self.renderer) else {
             return Ok(());
         };
+        let backend = renderer.backend();
         job.samples = 0;
         job.rung_seconds = 0.0;
         let begun = backend.begin(&reduced(&job.request, job.divisor));
@@ -408,40 +398,30 @@ impl<'a> Worker<'a> {
 
     /// One slice of work on the job.
     fn advance(&mut self) -> Result<(), String> {
-        let (Some(job), Some((_, backend))) = (&mut self.job, &mut self.backend) else {
+        let (Some(job), Some((_, renderer))) = (&mut self.job, &mut self.renderer) else {
             return Ok(());
         };
+        let slice = match renderer {
+            Renderer::Apart(_) => SLICE,
+            Renderer::Within(_) => SHORT_SLICE,
+        };
         let start = Instant::now();
-        let progress = backend
-            .advance(SLICE, &self.shared.cancel)
+        let progress = renderer
+            .backend()
+            .advance(slice, &self.shared.cancel)
             .map_err(|error| error.to_string())?;
         let spent = start.elapsed().as_secs_f64();
         job.seconds += spent;
         job.rung_seconds += spent;
         if progress.samples > job.samples || progress.done {
+            let is_first = job.samples == 0;
             job.samples = progress.samples;
             let [width, height] = reduced(&job.request, job.divisor).size;
             let samples = f64::from(progress.samples.max(1));
             self.cost = Some(job.rung_seconds / (f64::from(width) * f64::from(height) * samples));
-            let due = job.published.elapsed() > (4 * job.publishing_took).max(SLICE);
-            if progress.done || due || progress.samples == 1 {
-                let publishing = Instant::now();
-                let picture = backend.picture().map_err(|error| error.to_string())?;
-                self.picture = Some(if progress.samples < SHARP_FROM {
-                    averaged(&picture)
-                } else {
-                    picture
-                });
-                let (seconds, is_reduced) = (job.seconds, job.divisor > 1);
-                self.publish(|shown| {
-                    shown.progress = progress;
-                    shown.is_reduced = is_reduced;
-                    shown.seconds = seconds;
-                });
-                self.show_picture();
-                if let Some(job) = &mut self.job {
-                    (job.published, job.publishing_took) = (Instant::now(), publishing.elapsed());
-                }
+            let is_due = job.published.elapsed() > (4 * job.publishing_took).max(PUBLISHING);
+            if progress.done || is_first || is_due {
+                self.show(progress)?;
             }
         }
         if progress.done {
@@ -464,25 +444,43 @@ impl<'a> Worker<'a> {
         Ok(())
     }
 
-    /// Publishes the last picture as the wish's display shows it.
-    fn show_picture(&self) {
-        let Some(picture) = &self.picture else {
-            return;
+    /// Publishes the picture so far.
+    fn show(&mut self, progress: Progress) -> Result<(), String> {
+        let (Some(job), Some((_, renderer)), Some(wish)) =
+            (&mut self.job, &mut self.renderer, &self.wish)
+        else {
+            return Ok(());
         };
-        let pixels: Vec<Color32> = picture
-            .pixels
-            .iter()
-            .map(|&[r, g, b, _]| {
-                let [r, g, b] = self.table.encode([r, g, b]);
-                Color32::from_rgb(r, g, b)
-            })
-            .collect();
-        let size = picture.size.map(|side| side as usize);
-        let image = Arc::new(ColorImage::new(size, pixels));
+        let start = Instant::now();
+        let soft = progress.samples < SHARP_FROM;
+        let shot = self.developer.shoot(renderer, wish.display, soft);
+        let image = shot.map_err(|error| error.to_string())?;
+        let bytes = renderer.backend().device_bytes();
+        (job.published, job.publishing_took) = (Instant::now(), start.elapsed());
+        let (seconds, is_reduced) = (job.seconds, job.divisor > 1);
         self.publish(|shown| {
-            shown.image = Some(image);
+            shown.image = image;
+            shown.version += 1;
+            shown.progress = progress;
+            shown.is_reduced = is_reduced;
+            shown.seconds = seconds;
+            shown.device_bytes = bytes;
+        });
+        Ok(())
+    }
+
+    /// Publishes the last picture with another display.
+    fn show_again(&mut self, display: Display) -> Result<(), String> {
+        let Some((_, renderer)) = &mut self.renderer else {
+            return Ok(());
+        };
+        let shot = self.developer.again(renderer, display);
+        let image = shot.map_err(|error| error.to_string())?;
+        self.publish(|shown| {
+            shown.image = image;
             shown.version += 1;
         });
+        Ok(())
     }
 }
 
@@ -496,24 +494,4 @@ fn reduced(request: &RenderRequest, divisor: u32) -> RenderRequest {
         reduced.settings.error = 0.0;
     }
     reduced
-}
-
-/// A picture of half the size: the mean of every 2 × 2 pixels, in linear light. Odd edges repeat their last pixels.
-fn averaged(picture: &Picture) -> Picture {
-    let size = picture.size.map(|side| side.div_ceil(2));
-    let [width, height] = picture.size.map(|side| side as usize);
-    let pixels = (0..size[1] as usize)
-        .flat_map(|y| (0..size[0] as usize).map(move |x| (2 * x, 2 * y)))
-        .map(|(x, y)| {
-            let (x1, y1) = ((x + 1).min(width - 1), (y + 1).min(height - 1));
-            let four =
-                [(x, y), (x1, y), (x, y1), (x1, y1)].map(|(x, y)| picture.pixels[y * width + x]);
-            std::array::from_fn(|c| four.iter().map(|pixel| pixel[c]).sum::<f32>() / 4.0)
-        })
-        .collect();
-    Picture {
-        size,
-        pixels,
-        aov: None,
-    }
 }

@@ -14,7 +14,7 @@ pub const LABEL_WIDTH: f32 = 104.0;
 /// Width of the typed value behind a slider, points.
 pub const VALUE_WIDTH: f32 = 62.0;
 /// Width of the unit behind a typed value, points.
-pub const UNIT_WIDTH: f32 = 58.0;
+pub const UNIT_WIDTH: f32 = 62.0;
 
 /// The colours of one theme.
 #[derive(Debug, Clone, Copy)]
@@ -180,7 +180,7 @@ fn visuals(palette: &Palette, base: Visuals) -> Visuals {
         weak_text_color: Some(palette.weak_text),
         widgets: Widgets {
             noninteractive: widget(palette.panel, palette.line, palette.text),
-            inactive: widget(rest, Color32::TRANSPARENT, palette.text),
+            inactive: widget(rest, palette.line, palette.text),
             hovered: widget(over, palette.outline, palette.strong_text),
             active: widget(pressed, palette.accent, palette.strong_text),
             open: widget(over, palette.outline, palette.strong_text),

@@ -3,9 +3,10 @@
 
 use std::sync::Arc;
 
+use eframe::CreationContext;
 use egui::{
     Align2, Color32, CursorIcon, EventFilter, FontId, Key, Modifiers, PointerButton, Pos2, Rect,
-    Response, Role, Sense, TextureHandle, TextureOptions, Ui, WidgetInfo, pos2, vec2,
+    Response, Role, Sense, TextureHandle, TextureId, TextureOptions, Ui, WidgetInfo, pos2, vec2,
 };
 use glam::DVec2;
 use renderer_core::design::{CameraDesign, Design};
@@ -13,7 +14,8 @@ use renderer_core::image::Display;
 use renderer_core::render::MAX_SIDE;
 
 use super::camera_moves::{self, StandardView};
-use super::render_thread::{Activity, MakeBackend, RenderThread, Shown, Wish};
+use super::render_thread::{Activity, RenderThread, Shown, Wish};
+use super::renderer::{MakeBackend, Shot, for_window};
 use super::style;
 use crate::backend::BackendChoice;
 
@@ -33,20 +35,24 @@ pub struct Viewport {
     /// Which backend renders.
     pub choice: BackendChoice,
     thread: RenderThread,
+    window: Option<egui_wgpu::RenderState>,
     shown: Shown,
-    texture: Option<TextureHandle>,
+    texture: Option<Texture>,
     texture_version: u64,
     wish: Option<Wish>,
     size: [u32; 2],
 }
 
 impl Viewport {
-    /// A viewport that renders with what `make` makes of `choice`.
-    pub fn new(make: MakeBackend, choice: BackendChoice, ctx: &egui::Context) -> Self {
+    /// A viewport that renders with what `make` makes of `choice`, or on the window's own device.
+    pub fn new(make: MakeBackend, choice: BackendChoice, cc: &CreationContext<'_>) -> Self {
+        let window = cc.wgpu_render_state.clone();
+        let make = for_window(make, window.clone());
         Self {
             camera: CameraDesign::default(),
             choice,
-            thread: RenderThread::new(make, ctx.clone()),
+            thread: RenderThread::new(make, cc.egui_ctx.clone()),
+            window,
             shown: Shown::default(),
             texture: None,
             texture_version: 0,
@@ -97,7 +103,6 @@ impl Viewport {
         if is_valid {
             self.wish_for(design);
         }
-        self.take_news(ui);
         self.paint(ui, &response, rect);
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Viewport"));
         response.on_hover_cursor(CursorIcon::Grab)
@@ -125,24 +130,18 @@ impl Viewport {
         self.wish = Some(wish);
     }
 
-    fn take_news(&mut self, ui: &Ui) {
+    /// Takes what the render thread has to show. Before anything is laid out, so that a frame shows one state.
+    pub fn take_news(&mut self, ctx: &egui::Context) {
         self.shown = self.thread.shown();
         if self.shown.version == self.texture_version {
             return;
         }
-        let Some(image) = &self.shown.image else {
+        self.texture_version = self.shown.version;
+        let Some(shot) = &self.shown.image else {
             return;
         };
-        self.texture_version = self.shown.version;
-        match &mut self.texture {
-            Some(texture) => texture.set(Arc::clone(image), TextureOptions::LINEAR),
-            none => {
-                let texture =
-                    ui.ctx()
-                        .load_texture("picture", Arc::clone(image), TextureOptions::LINEAR);
-                *none = Some(texture);
-            }
-        }
+        let old = self.texture.take();
+        self.texture = Texture::of(shot, old, ctx, self.window.as_ref());
     }
 
     fn pointer(&mut self, ui: &Ui, response: &Response, picture: &Area) {
@@ -230,6 +229,65 @@ impl Viewport {
             painter.rect_stroke(rect, 0.0, stroke, egui::StrokeKind::Inside);
         }
         note(&painter, rect, &progress_text(&self.shown));
+    }
+}
+
+/// The picture as egui draws it.
+enum Texture {
+    /// egui's own.
+    Owned(TextureHandle),
+    /// One that the renderer draws into, on the window's device, and egui's name for it.
+    Shared(wgpu::Texture, TextureId),
+}
+
+impl Texture {
+    /// A texture that shows `shot`: the old one if that can be made to.
+    fn of(
+        shot: &Shot,
+        old: Option<Self>,
+        ctx: &egui::Context,
+        window: Option<&egui_wgpu::RenderState>,
+    ) -> Option<Self> {
+        let free = |id: TextureId| {
+            if let Some(window) = window {
+                window.renderer.write().free_texture(&id);
+            }
+        };
+        match (shot, old) {
+            (Shot::Pixels(image), Some(Self::Owned(mut texture))) => {
+                texture.set(Arc::clone(image), TextureOptions::LINEAR);
+                Some(Self::Owned(texture))
+            }
+            (Shot::Pixels(image), old) => {
+                if let Some(Self::Shared(_, id)) = old {
+                    free(id);
+                }
+                let image = Arc::clone(image);
+                let texture = ctx.load_texture("picture", image, TextureOptions::LINEAR);
+                Some(Self::Owned(texture))
+            }
+            (Shot::Texture(texture), Some(Self::Shared(shown, id))) if *texture == shown => {
+                Some(Self::Shared(shown, id))
+            }
+            (Shot::Texture(texture), old) => {
+                if let Some(Self::Shared(_, id)) = old {
+                    free(id);
+                }
+                let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+                let window = window?;
+                let linear = wgpu::FilterMode::Linear;
+                let mut renderer = window.renderer.write();
+                let id = renderer.register_native_texture(&window.device, &view, linear);
+                Some(Self::Shared(texture.clone(), id))
+            }
+        }
+    }
+
+    fn id(&self) -> TextureId {
+        match self {
+            Self::Owned(texture) => texture.id(),
+            Self::Shared(_, id) => *id,
+        }
     }
 }
 

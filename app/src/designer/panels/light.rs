@@ -3,7 +3,7 @@
 use egui::Ui;
 use renderer_core::design::{Environment, Light, Sun};
 
-use crate::designer::widgets::{choice, colour, number, subheading};
+use crate::designer::widgets::{choice, colour, number, subheading, subheading_with};
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, light: &mut Light) {
@@ -11,8 +11,7 @@ pub fn show(ui: &mut Ui, light: &mut Light) {
     let count = light.sun.len();
     for (index, sun) in light.sun.iter_mut().enumerate() {
         ui.push_id(index, |ui| {
-            ui.horizontal(|ui| {
-                subheading(ui, &format!("Sun {}", index + 1));
+            subheading_with(ui, &format!("Sun {}", index + 1), |ui| {
                 let remove = ui
                     .small_button("Remove")
                     .accessible_name(format!("Remove sun {}", index + 1));

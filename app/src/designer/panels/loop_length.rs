@@ -8,6 +8,7 @@ use renderer_core::scene::{MonotoneCurve, OPAQUE_FROM, luma};
 
 use crate::designer::widgets::{
     Choice, CurveEditor, choice, colour, curve_editor, number, optional_number, row, subheading,
+    subheading_with,
 };
 
 /// Editor of the curve, and the chart's histogram behind it.
@@ -101,8 +102,7 @@ fn table(ui: &mut Ui, length: &mut Length, chart: Option<&ChartImage>) {
     let mut removed = None;
     for (index, entry) in length.table.iter_mut().enumerate() {
         ui.push_id(index, |ui| {
-            ui.horizontal(|ui| {
-                subheading(ui, &format!("Row {}", index + 1));
+            subheading_with(ui, &format!("Row {}", index + 1), |ui| {
                 let remove = ui
                     .small_button("Remove")
                     .accessible_name(format!("Remove row {}", index + 1));

@@ -54,14 +54,17 @@ pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design) {
         }
     });
     let size = [weave.pattern.cols(), weave.pattern.rows()];
-    grid_editor(
-        ui,
-        "Stitch pattern",
-        &mut state.editor,
-        size,
-        &cells,
-        &mut weave.pattern,
-    );
+    ui.horizontal_top(|ui| {
+        grid_editor(
+            ui,
+            "Stitch pattern",
+            &mut state.editor,
+            size,
+            &cells,
+            &mut weave.pattern,
+        );
+        repeat_preview(ui, &weave.pattern);
+    });
     let follows = match weave.back {
         Back::Pattern => "",
         Back::Mirror | Back::None => {
@@ -73,6 +76,37 @@ pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design) {
     if uses_back && !follows.is_empty() {
         ui.label(RichText::new(follows.trim()).small().weak());
     }
+}
+
+/// Side of a cell of the preview, points.
+const PREVIEW_CELL: f32 = 4.0;
+/// Smallest preview, cells; narrower places have none.
+const PREVIEW_CELLS: usize = 12;
+
+/// The pattern as it repeats over the cloth, in the room beside the editor.
+fn repeat_preview(ui: &mut Ui, pattern: &Pattern) {
+    ui.add_space(8.0);
+    let cols = (ui.available_width() / PREVIEW_CELL) as usize;
+    if cols < PREVIEW_CELLS {
+        return;
+    }
+    let rows = (ui.available_height().clamp(52.0, 104.0) / PREVIEW_CELL) as usize;
+    let size = egui::vec2(cols as f32, rows as f32) * PREVIEW_CELL;
+    let (rect, response) = ui.allocate_exact_size(size, egui::Sense::hover());
+    let colours = STITCHES.map(|value| (value, style::stitch_colours(value, ui.visuals()).0));
+    let painter = ui.painter_at(rect);
+    for row in 0..rows {
+        for col in 0..cols {
+            let corner =
+                rect.left_bottom() + egui::vec2(col as f32, -((row + 1) as f32)) * PREVIEW_CELL;
+            let cell = egui::Rect::from_min_size(corner, egui::Vec2::splat(PREVIEW_CELL));
+            let value = pattern.at(col as i64, row as i64);
+            let colour = colours.iter().find(|(other, _)| *other == value);
+            let colour = colour.map_or(ui.visuals().error_fg_color, |(_, colour)| *colour);
+            painter.rect_filled(cell, 0.0, colour);
+        }
+    }
+    response.on_hover_text("The pattern as it repeats over the cloth.");
 }
 
 fn stitch_name(value: u8) -> &'static str {

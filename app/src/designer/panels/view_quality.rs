@@ -126,7 +126,9 @@ fn one_camera(ui: &mut Ui, camera: &mut CameraDesign) {
         "Name",
         "Name in menus and for --camera.",
         |ui, label| {
-            let field = TextEdit::singleline(&mut camera.name).char_limit(40);
+            let field = TextEdit::singleline(&mut camera.name)
+                .char_limit(40)
+                .align(egui::Align2::LEFT_CENTER);
             ui.add_sized([ui.available_width(), ROW_HEIGHT], field)
                 .labelled_by(label.id);
         },

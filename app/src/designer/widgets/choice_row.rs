@@ -75,7 +75,7 @@ fn hex(ui: &mut Ui, value: &mut Colour) -> egui::Response {
     let response = ui.add(
         TextEdit::singleline(&mut text)
             .char_limit(7)
-            .desired_width(62.0)
+            .desired_width(68.0)
             .align(egui::Align2::LEFT_CENTER)
             .font(egui::TextStyle::Monospace),
     );

@@ -13,5 +13,5 @@ pub use curve_editor::{CurveEditor, curve_editor};
 pub use file_browser::{Browsed, FileBrowser, FileKind};
 pub use grid_editor::{GridAccess, GridCell, GridEditor, GridTool, grid_editor};
 pub use number_row::{number, number_value, optional_number};
-pub use row::{label_of, row, subheading};
+pub use row::{label_of, row, subheading, subheading_with};
 pub use thumbnail::{Thumbnail, show_thumbnail};

@@ -1,10 +1,11 @@
 //! A number of a design: slider, typed value and unit, from the field's own table; a double click resets it.
 
 use egui::emath::Numeric;
-use egui::{DragValue, PointerButton, Response, RichText, Slider, Ui};
+use egui::{Button, DragValue, PointerButton, Response, RichText, Sense, Slider, Ui, vec2};
 use renderer_core::design::Field;
+use renderer_core::sampling::hash;
 
-use super::row::{label_of, row};
+use super::row::{fixed_text, label_of, row};
 use crate::designer::style::{ROW_HEIGHT, UNIT_WIDTH, VALUE_WIDTH};
 
 /// Row with label, slider, typed value and unit. Double clicks on the label or the slider set the default.
@@ -45,15 +46,24 @@ pub fn number_value<N: Numeric>(ui: &mut Ui, field: &Field, value: &mut N) -> Re
     response
 }
 
-/// Largest range that a slider makes sense for; seeds are beyond it.
+/// Largest range that a slider makes sense for. Seeds are beyond it, and can be rolled.
 const LARGEST_SLIDER: f64 = 1e8;
+/// Rolled numbers stay short enough to remember.
+const ROLL_BELOW: u32 = 100_000;
 
 fn number_with_slider<N: Numeric>(ui: &mut Ui, field: &Field, value: &mut N, label: &Response) {
     let gaps = 2.0 * ui.spacing().item_spacing.x;
     let slider_width = (ui.available_width() - VALUE_WIDTH - UNIT_WIDTH - gaps).max(40.0);
     let mut reset = label.double_clicked();
     if field.max - field.min > LARGEST_SLIDER {
-        ui.add_space(slider_width + ui.spacing().item_spacing.x);
+        let (rect, _) = ui.allocate_exact_size(vec2(slider_width, ROW_HEIGHT), Sense::hover());
+        let roll = ui.place(rect.with_max_x(rect.left() + 44.0), Button::new("Roll"));
+        let name = format!("Roll {}", label_of(field.name).to_lowercase());
+        let roll = roll.accessible_name(name);
+        if roll.on_hover_text("Takes another number.").clicked() {
+            let another = hash(value.to_f64() as u32) % ROLL_BELOW;
+            *value = N::from_f64(f64::from(another).clamp(field.min, field.max));
+        }
     } else {
         ui.spacing_mut().slider_width = slider_width;
         let before = *value;
@@ -75,7 +85,7 @@ fn number_with_slider<N: Numeric>(ui: &mut Ui, field: &Field, value: &mut N, lab
         slider.on_hover_text(tooltip(field));
     }
     drag_value(ui, field, value).labelled_by(label.id);
-    ui.label(RichText::new(field.unit).weak());
+    fixed_text(ui, UNIT_WIDTH, RichText::new(field.unit).weak());
     if reset {
         *value = N::from_f64(field.default);
     }
@@ -101,7 +111,7 @@ fn drag_value<N: Numeric>(ui: &mut Ui, field: &Field, value: &mut N) -> Response
         .clip_text(true)
         .max_decimals(6)
         .custom_formatter(|value, _| text_of(value))
-        .min_size(egui::vec2(VALUE_WIDTH, ROW_HEIGHT));
+        .min_size(vec2(VALUE_WIDTH, ROW_HEIGHT));
     let response = ui
         .add_sized([VALUE_WIDTH, ROW_HEIGHT], drag)
         .on_hover_text(tooltip(field));

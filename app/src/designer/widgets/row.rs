@@ -1,6 +1,6 @@
 //! A row of a panel: a label in a column of fixed width, then a control; and the headings between rows.
 
-use egui::{Align, Label, Layout, Response, RichText, Sense, Ui, UiBuilder, vec2};
+use egui::{Align, Label, Layout, Response, RichText, Sense, Sides, Ui, UiBuilder, vec2};
 
 use crate::designer::style::{LABEL_WIDTH, ROW_HEIGHT};
 
@@ -26,12 +26,33 @@ pub fn row<R>(
 
 /// A quiet heading inside a panel.
 pub fn subheading(ui: &mut Ui, text: &str) {
+    subheading_with(ui, text, |_| {});
+}
+
+/// A quiet heading with controls at its right end, for parts of a list.
+pub fn subheading_with(ui: &mut Ui, text: &str, controls: impl FnOnce(&mut Ui)) {
     ui.add_space(5.0);
-    ui.label(RichText::new(text).small().strong());
+    Sides::new().show(
+        ui,
+        |ui| ui.label(RichText::new(text).small().strong()),
+        controls,
+    );
+}
+
+/// Text in a column of fixed width; a column that grew with its text would widen the whole panel.
+pub fn fixed_text(ui: &mut Ui, width: f32, text: RichText) {
+    let (rect, _) = ui.allocate_exact_size(vec2(width, ROW_HEIGHT), Sense::hover());
+    let place = UiBuilder::new()
+        .max_rect(rect)
+        .layout(Layout::left_to_right(Align::Center));
+    ui.new_child(place).add(Label::new(text).truncate());
 }
 
 /// What a user reads for the name of a field in a file: `yarn_diameter` is "Yarn diameter".
 pub fn label_of(field: &str) -> String {
+    if field == "fov" {
+        return "Angle of view".into();
+    }
     let mut label = field.replace('_', " ");
     if let Some(first) = label.get_mut(0..1) {
         first.make_ascii_uppercase();

@@ -3,19 +3,19 @@
 //!
 //! With isotropic scattering R(ω) = Σ_n c_n·ωⁿ exactly, c_n the share of sky light that leaves the pile after n
 //! scatterings when nothing is absorbed; a path of at most b bounces keeps the first b terms. [`ESCAPE`] was measured on
-//! the default bath terry. Where the bounces do not suffice, colours are scaled to what the brightest yarn reaches, so
+//! the default bath terry with white loops: the mean radiance of `tracked` pictures of it, albedo 1, under a uniform sky. Where the bounces do not suffice, colours are scaled to what the brightest yarn reaches, so
 //! that a picture of few bounces is darker but has the chart's hues.
 
 /// c_n for n = 1, 2, …: share of a uniform sky's light, seen at 60° elevation, that leaves white terry after exactly n
 /// scatterings.
 const ESCAPE: [f64; 64] = [
-    0.16760, 0.10399, 0.07277, 0.05459, 0.04252, 0.03475, 0.02881, 0.02464, 0.02126, 0.01859,
-    0.01653, 0.01486, 0.01333, 0.01210, 0.01103, 0.01014, 0.00925, 0.00865, 0.00794, 0.00745,
-    0.00701, 0.00661, 0.00604, 0.00577, 0.00538, 0.00520, 0.00483, 0.00464, 0.00450, 0.00422,
-    0.00398, 0.00385, 0.00371, 0.00344, 0.00339, 0.00320, 0.00309, 0.00304, 0.00287, 0.00272,
-    0.00270, 0.00265, 0.00253, 0.00240, 0.00240, 0.00230, 0.00216, 0.00214, 0.00209, 0.00199,
-    0.00196, 0.00197, 0.00185, 0.00181, 0.00175, 0.00176, 0.00169, 0.00165, 0.00165, 0.00160,
-    0.00151, 0.00150, 0.00147, 0.00141,
+    0.11581, 0.07333, 0.05378, 0.04175, 0.03411, 0.02882, 0.02492, 0.02191, 0.01951, 0.01756,
+    0.01593, 0.01455, 0.01336, 0.01234, 0.01144, 0.01064, 0.00994, 0.00931, 0.00874, 0.00822,
+    0.00776, 0.00733, 0.00694, 0.00659, 0.00626, 0.00595, 0.00567, 0.00541, 0.00517, 0.00494,
+    0.00473, 0.00453, 0.00435, 0.00417, 0.00401, 0.00386, 0.00371, 0.00357, 0.00344, 0.00332,
+    0.00321, 0.00310, 0.00299, 0.00289, 0.00280, 0.00271, 0.00263, 0.00254, 0.00247, 0.00239,
+    0.00232, 0.00226, 0.00219, 0.00213, 0.00207, 0.00201, 0.00196, 0.00191, 0.00186, 0.00181,
+    0.00177, 0.00172, 0.00168, 0.00164,
 ];
 
 /// Entries of the inverse table; neighbouring entries differ by at most 0.005 in albedo, interpolation by far less.
@@ -27,6 +27,8 @@ pub struct AlbedoTable {
     /// Albedo at reflectance k/(ENTRIES − 1).
     albedos: Vec<f64>,
     max_albedo: f64,
+    /// The reflectance above which yarn would need more than `max_albedo`.
+    brightest: f64,
 }
 
 impl AlbedoTable {
@@ -47,14 +49,24 @@ impl AlbedoTable {
         Self {
             albedos,
             max_albedo,
+            brightest: full,
         }
     }
 }
 
 /// Single-scatter albedo of each channel whose cloth reflects `linear_rgb` (each in [0, 1]).
+///
+/// A colour brighter than the yarn can be is darkened until its brightest channel is as bright as can be: capping each
+/// channel alone would turn cream into grey.
 pub fn albedo_from_reflectance(linear_rgb: [f64; 3], table: &AlbedoTable) -> [f64; 3] {
+    let brightest = linear_rgb.into_iter().fold(0.0, f64::max);
+    let darken = if brightest > table.brightest {
+        table.brightest / brightest
+    } else {
+        1.0
+    };
     linear_rgb.map(|reflectance| {
-        let position = reflectance.clamp(0.0, 1.0) * (ENTRIES - 1) as f64;
+        let position = (reflectance * darken).clamp(0.0, 1.0) * (ENTRIES - 1) as f64;
         let below = (position as usize).min(ENTRIES - 2);
         let share = position - below as f64;
         let albedo = table.albedos[below] * (1.0 - share) + table.albedos[below + 1] * share;

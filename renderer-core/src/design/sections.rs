@@ -207,7 +207,7 @@ section! {
     Length, LengthFields {
         numbers {
             /// Length of all loops when the map is constant.
-            value: f64 = 3.0, 0.0..=100.0, "mm";
+            value: f64 = 2.8, 0.0..=100.0, "mm";
             /// Length where the chart is black.
             min: f64 = 1.5, 0.0..=100.0, "mm";
             /// Length where the chart is white.
@@ -328,13 +328,13 @@ section! {
     Pile, PileFields {
         numbers {
             /// Width of a loop at its root: leg spacing plus yarn diameter.
-            base_width: f64 = 2.1, 0.05..=50.0, "mm";
+            base_width: f64 = 1.9, 0.05..=50.0, "mm";
             /// Width of a loop at its top; smaller than the root gives pointed, larger gives spread loops.
-            top_width: f64 = 2.1, 0.05..=50.0, "mm";
+            top_width: f64 = 1.9, 0.05..=50.0, "mm";
             /// Thickness of a loop's volume, front to back: a little more than the yarn.
-            thickness: f64 = 1.0, 0.01..=50.0, "mm";
+            thickness: f64 = 0.92, 0.01..=50.0, "mm";
             /// Diameter of the loop's yarn; thicker yarn fills the gaps and looks softer.
-            yarn_diameter: f64 = 0.8, 0.02..=20.0, "mm";
+            yarn_diameter: f64 = 0.75, 0.02..=20.0, "mm";
             /// How many plies the yarn is twisted from; each shows as a ridge along the loop.
             plies: u32 = 2, 1..=8, "";
             /// Turns of the plies in a centimetre of yarn; more turns give a harder, cord-like loop.

@@ -28,12 +28,13 @@ fn solves() -> u32 {
 }
 
 // Roots of one solve of a loop.
-fn solve(shape: Patch, normal: vec3<f32>, origin: vec3<f32>, direction: vec3<f32>, layer: u32) -> Roots {
+fn solve(shape: Patch, origin: vec3<f32>, direction: vec3<f32>, layer: u32) -> Roots {
     if COUNTERS {
         count_patch_tests += 1u;
     }
     if METHOD == METHOD_LAYERED {
-        return patch_roots(shape, origin - layer_middle(layer) * scene.thickness * normal, direction);
+        let shift = layer_middle(layer) * scene.thickness;
+        return patch_roots(shape, origin - shift * patch_normal(shape), direction);
     }
     return patch_roots(shape, origin, direction);
 }
@@ -50,31 +51,29 @@ fn second_event(roots: Roots, index: u32, layer: u32) -> Event {
 }
 
 // The nearest events of a cell from `t_from` to `t_to` that lie beyond `after`.
-fn nearest_events(ray: Ray, place: vec2<i32>, cell: Cell, t_from: f32, t_to: f32, after: f32) -> Nearest {
+fn nearest_events(ray: Ray, cell: Cell, t_from: f32, t_to: f32, after: f32) -> Nearest {
     var nearest = no_events();
-    for (var i = cell.entries_start; i < cell.entries_end; i++) {
-        let entry = open_entry(cell, i);
-        if !entry.met {
-            continue;
-        }
-        let index = loop_index(entry, place);
-        let shape = load_patch(index);
-        let normal = patch_normal(shape);
-        let origin = origin_in_cell(ray, place + entry.offset);
+    for (var i = next_met(cell, cell.entries_start); i < cell.entries_end; i = next_met(cell, i + 1u)) {
+        let listed = open_entry(cell, i);
+        let shape = load_patch(listed.index);
+        let origin = origin_in_cell(ray, listed.cell);
         for (var layer = 0u; layer < solves(); layer++) {
-            let roots = solve(shape, normal, origin, ray.direction, layer);
+            let roots = solve(shape, origin, ray.direction, layer);
             if roots.count > 0u && roots.first.z > after && event_is_in(ray, roots.first.z, t_from, t_to) {
-                offer(&nearest, first_event(roots, index, layer));
+                offer(&nearest, first_event(roots, listed.index, layer));
             }
             if roots.count > 1u && roots.second.z > after && event_is_in(ray, roots.second.z, t_from, t_to) {
-                offer(&nearest, second_event(roots, index, layer));
+                offer(&nearest, second_event(roots, listed.index, layer));
             }
         }
     }
     return nearest;
 }
 
-fn pile_scatter(ray: Ray, hit: Gathered, shape: Patch, normal: vec3<f32>, yarn: Yarn) -> Scatter {
+fn pile_scatter(ray: Ray, hit: Gathered, index: u32) -> Scatter {
+    let shape = load_patch(index);
+    let normal = patch_normal(shape);
+    let yarn = load_yarn(index);
     var tangent = vec3<f32>();
     if PHASE == PHASE_KAJIYA_KAY {
         tangent = fibre_tangent(shape, normal, yarn, hit.at);
@@ -87,37 +86,43 @@ fn pile_scatter(ray: Ray, hit: Gathered, shape: Patch, normal: vec3<f32>, yarn: 
 fn composite_first(ray: Ray, threshold: f32) -> Scatter {
     var walk = walk_begin(ray);
     var transmittance = 1.0;
+    var chosen: Gathered;
+    var chosen_index = 0u;
+    var ground = no_yarn();
     let limit = walk_limit();
     for (var n = 0u; n < limit && walk_goes_on(walk); n++) {
         if COUNTERS {
             count_cells += 1u;
         }
-        let ground = skeleton_hit(walk.cell, origin_in_cell(ray, walk.cell), ray.direction, walk.t_enter, walk.t_exit);
+        ground = skeleton_hit(walk.cell, origin_in_cell(ray, walk.cell), ray.direction, walk.t_enter, walk.t_exit);
         let t_to = min(walk.t_exit, ground.t);
         let cell = open_cell(ray, walk.cell, walk.t_enter, t_to);
         var after = -FAR;
-        for (var scan = 0u; scan < MAX_SCANS && cell.entries_start < cell.entries_end; scan++) {
-            var nearest = nearest_events(ray, walk.cell, cell, walk.t_enter, t_to, after);
-            for (var i = 0u; i < NEAREST && nearest.a.t < FAR; i++) {
+        var scans = select(0u, MAX_SCANS, cell.entries_start < cell.entries_end);
+        for (; scans > 0u; scans--) {
+            var nearest = nearest_events(ray, cell, walk.t_enter, t_to, after);
+            for (var i = 0u; i < NEAREST && nearest.a.t < FAR && transmittance >= threshold; i++) {
                 let shape = load_patch(nearest.a.index);
-                let normal = patch_normal(shape);
-                let yarn = load_yarn(nearest.a.index);
-                let hit = gathered(nearest.a, shape, normal, yarn, ray);
-                transmittance *= 1.0 - hit.alpha;
-                if transmittance < threshold {
-                    return pile_scatter(ray, hit, shape, normal, yarn);
-                }
+                chosen = gathered(nearest.a, shape, patch_normal(shape), load_yarn(nearest.a.index), ray);
+                chosen_index = nearest.a.index;
+                transmittance *= 1.0 - chosen.alpha;
                 after = nearest.a.t;
                 drop_first(&nearest);
             }
-            if nearest.offered <= NEAREST {
+            if nearest.offered <= NEAREST || transmittance < threshold {
                 break;
             }
         }
-        if ground.t < FAR {
-            return ground_scatter(ray, walk.cell, ground);
+        if ground.t < FAR || transmittance < threshold {
+            break;
         }
         walk_step(ray, &walk);
+    }
+    if transmittance < threshold {
+        return pile_scatter(ray, chosen, chosen_index);
+    }
+    if ground.t < FAR {
+        return ground_scatter(ray, walk.cell, ground);
     }
     return no_scatter();
 }
@@ -130,7 +135,7 @@ fn composite_visibility(ray: Ray) -> f32 {
     var walk = walk_begin(ray);
     var visible = 1.0;
     let limit = walk_limit();
-    for (var n = 0u; n < limit && walk_goes_on(walk); n++) {
+    for (var n = 0u; n < limit && walk_goes_on(walk) && visible >= BLOCKED; n++) {
         if COUNTERS {
             count_cells += 1u;
         }
@@ -139,34 +144,29 @@ fn composite_visibility(ray: Ray) -> f32 {
             return 0.0;
         }
         let cell = open_cell(ray, walk.cell, walk.t_enter, walk.t_exit);
-        for (var i = cell.entries_start; i < cell.entries_end; i++) {
-            let entry = open_entry(cell, i);
-            if !entry.met {
-                continue;
-            }
-            let index = loop_index(entry, walk.cell);
-            let shape = load_patch(index);
-            let normal = patch_normal(shape);
-            let origin = origin_in_cell(ray, walk.cell + entry.offset);
+        for (var i = next_met(cell, cell.entries_start); i < cell.entries_end; i = next_met(cell, i + 1u)) {
+            let listed = open_entry(cell, i);
+            let shape = load_patch(listed.index);
+            let origin = origin_in_cell(ray, listed.cell);
             for (var layer = 0u; layer < solves(); layer++) {
-                let roots = solve(shape, normal, origin, ray.direction, layer);
-                // One call for both roots keeps the loop over layers in the program once.
+                let roots = solve(shape, origin, ray.direction, layer);
+                // One body for both roots, since everything here is inlined.
                 for (var k = 0u; k < roots.count; k++) {
-                    var event = first_event(roots, index, layer);
+                    var event = first_event(roots, listed.index, layer);
                     if k == 1u {
-                        event = second_event(roots, index, layer);
+                        event = second_event(roots, listed.index, layer);
                     }
                     if event_is_in(ray, event.t, walk.t_enter, walk.t_exit) {
-                        let hit = gathered(event, shape, normal, load_yarn(index), ray);
+                        let hit = gathered(event, shape, patch_normal(shape), load_yarn(listed.index), ray);
                         visible *= 1.0 - hit.alpha;
                     }
                 }
-                if visible < BLOCKED {
-                    return 0.0;
-                }
+            }
+            if visible < BLOCKED {
+                break;
             }
         }
         walk_step(ray, &walk);
     }
-    return visible;
+    return select(visible, 0.0, visible < BLOCKED);
 }

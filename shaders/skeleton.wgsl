@@ -24,8 +24,10 @@ const SMALLEST_STEP: f32 = 1.0 / 64.0;
 // Enough to graze along a whole cell 8 radii long by smallest steps.
 const YARN_STEPS: u32 = 512u;
 const PAPER_STEPS: u32 = 16u;
-// Halvings of a bracket: down to what f32 resolves of a yarn.
+// Halvings of a bracket of the paper's height field: down to what f32 resolves of a yarn.
 const BISECTIONS: u32 = 16u;
+// Steps of false position inside a bracket one smallest step wide, where the distance is all but straight.
+const REFINEMENTS: u32 = 2u;
 
 // Bits of a stitch word: which yarn is over here and in the next cells; shared with gpu/layout.rs.
 const STITCH_HERE: u32 = 0u;
@@ -81,28 +83,32 @@ fn winding_hit(yarn: GroundYarn, origin: vec3<f32>, direction: vec3<f32>, range:
     let smallest = SMALLEST_STEP * yarn.radius;
     var t = range.x;
     var gap = tube_distance(yarn, origin + t * direction);
+    var before = t;
+    var gap_before = gap;
     // A ray that starts inside meets the yarn where it starts.
-    for (var i = 0u; i < YARN_STEPS && gap > 0.0; i++) {
-        if t >= range.y {
-            break;
-        }
-        let before = t;
+    for (var i = 0u; i < YARN_STEPS && gap > 0.0 && t < range.y; i++) {
+        before = t;
+        gap_before = gap;
         t = min(t + max(gap * safe_share, smallest), range.y);
         gap = tube_distance(yarn, origin + t * direction);
-        if gap <= 0.0 {
-            var low = before;
-            for (var k = 0u; k < BISECTIONS; k++) {
-                let middle = 0.5 * (low + t);
-                let outside = tube_distance(yarn, origin + middle * direction) > 0.0;
-                low = select(low, middle, outside);
-                t = select(middle, t, outside);
-            }
-            t = low;
-        }
     }
     if gap > 0.0 {
         return no_yarn();
     }
+    // False position moves one end of the bracket only, the inner one where the distance is convex: the better end is
+    // taken. What remains is far below the lift of rays that leave.
+    var after = t;
+    var gap_after = gap;
+    for (var i = 0u; i < REFINEMENTS && gap_before > 0.0; i++) {
+        let middle = mix(before, after, clamp(gap_before / (gap_before - gap_after), 0.0, 1.0));
+        let gap_middle = tube_distance(yarn, origin + middle * direction);
+        let outside = gap_middle > 0.0;
+        before = select(before, middle, outside);
+        gap_before = select(gap_before, gap_middle, outside);
+        after = select(middle, after, outside);
+        gap_after = select(gap_middle, gap_after, outside);
+    }
+    t = select(after, before, gap_before < -gap_after);
     let point = origin + t * direction;
     let s = winding(yarn, point.y);
     let above = point.z - scene.crimp * s.x;
@@ -161,6 +167,18 @@ fn stitch_at(cell: vec2<i32>) -> u32 {
     return stitches[place.y * scene.repeat.x + place.x];
 }
 
+fn ground_yarn(stitch: u32, is_weft: bool) -> GroundYarn {
+    let here = warp_side(stitch, STITCH_HERE);
+    if is_weft {
+        let left = warp_side(stitch, STITCH_LEFT);
+        let right = warp_side(stitch, STITCH_RIGHT);
+        return GroundYarn(scene.yarn_radius.y, scene.pitch.x, -left, -here, -right);
+    }
+    let near = warp_side(stitch, STITCH_NEAR);
+    let far = warp_side(stitch, STITCH_FAR);
+    return GroundYarn(scene.yarn_radius.x, scene.pitch.y, near, here, far);
+}
+
 // The nearest ground yarn of a cell between two distances. `ray_origin` is relative to the cell.
 fn skeleton_hit(cell: vec2<i32>, ray_origin: vec3<f32>, direction: vec3<f32>, t_from: f32, t_to: f32) -> YarnHit {
     if SKELETON == SKELETON_NONE || any(cell < vec2<i32>(0)) || any(cell >= scene.sheet) {
@@ -177,40 +195,27 @@ fn skeleton_hit(cell: vec2<i32>, ray_origin: vec3<f32>, direction: vec3<f32>, t_
     var nearest = no_yarn();
     nearest.t = range.y - range.x;
     var found = false;
-    for (var offset = -scene.yarn_reach.x; offset <= scene.yarn_reach.x; offset++) {
-        let place = cell + vec2<i32>(offset, 0);
-        if place.x >= 0 && place.x < scene.sheet.x {
-            let stitch = stitch_at(place);
-            let warp = GroundYarn(
-                scene.yarn_radius.x,
-                scene.pitch.y,
-                warp_side(stitch, STITCH_NEAR),
-                warp_side(stitch, STITCH_HERE),
-                warp_side(stitch, STITCH_FAR),
-            );
-            let shift = vec3<f32>(f32(offset) * scene.pitch.x, 0.0, 0.0);
-            let hit = yarn_hit(warp, origin - shift, direction, vec2<f32>(0.0, nearest.t));
-            if hit.t < FAR {
-                nearest = YarnHit(hit.t, hit.normal, hit.point + shift);
-                found = true;
+    // Warps, then wefts: one body for both, since everything here is inlined.
+    for (var weft = 0; weft < 2; weft++) {
+        let is_weft = weft == 1;
+        let reach = scene.yarn_reach[weft];
+        for (var offset = -reach; offset <= reach; offset++) {
+            let place = cell + select(vec2<i32>(offset, 0), vec2<i32>(0, offset), is_weft);
+            if any(place < vec2<i32>(0)) || any(place >= scene.sheet) {
+                continue;
             }
-        }
-    }
-    for (var offset = -scene.yarn_reach.y; offset <= scene.yarn_reach.y; offset++) {
-        let place = cell + vec2<i32>(0, offset);
-        if place.y >= 0 && place.y < scene.sheet.y {
-            let stitch = stitch_at(place);
-            let weft = GroundYarn(
-                scene.yarn_radius.y,
-                scene.pitch.x,
-                -warp_side(stitch, STITCH_LEFT),
-                -warp_side(stitch, STITCH_HERE),
-                -warp_side(stitch, STITCH_RIGHT),
+            let shift = vec3<f32>(vec2<f32>(place - cell) * scene.pitch, 0.0);
+            let from_yarn = origin - shift;
+            let hit = yarn_hit(
+                ground_yarn(stitch_at(place), is_weft),
+                select(from_yarn, from_yarn.yxz, is_weft),
+                select(direction, direction.yxz, is_weft),
+                vec2<f32>(0.0, nearest.t),
             );
-            let shift = vec3<f32>(0.0, f32(offset) * scene.pitch.y, 0.0);
-            let hit = yarn_hit(weft, (origin - shift).yxz, direction.yxz, vec2<f32>(0.0, nearest.t));
             if hit.t < FAR {
-                nearest = YarnHit(hit.t, hit.normal.yxz, hit.point.yxz + shift);
+                let normal = select(hit.normal, hit.normal.yxz, is_weft);
+                let point = select(hit.point, hit.point.yxz, is_weft);
+                nearest = YarnHit(hit.t, normal, point + shift);
                 found = true;
             }
         }

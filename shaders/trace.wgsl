@@ -37,51 +37,77 @@ struct Path {
     first: Scatter,
 }
 
-fn trace_path(ray: Ray, film: vec4<f32>, seed: u32, sample: u32) -> Path {
-    var random = pcg_new(seed, sample);
+// Steps 3, 4 and 5: a ray through loops (3: where they reflect, 4: what they let through), skeleton and the loops of
+// the other side (5). The ray picks one event of all that it meets, with its share of the light.
+fn scatter_along(ray: Ray, bounce: u32, threshold: f32, random: ptr<function, Pcg>) -> Scatter {
     if COUNTERS {
         count_rays += 1u;
     }
-    // Steps 3, 4 and 5: the camera ray through loops (3: where they reflect, 4: what they let through), skeleton and
-    // the loops of the other side (5). A ray picks one event of all that it meets, with its share of the light.
-    var at: Scatter;
-    if METHOD == METHOD_TRACKED {
-        at = track(ray, &random);
-    } else {
-        at = composite_first(ray, 1.0 - film.z);
+    if METHOD != METHOD_TRACKED {
+        if !LONG_PATHS || bounce == 1u {
+            return composite_first(ray, threshold);
+        }
     }
-    var path = Path(vec3<f32>(), at);
-    if at.what == NOTHING {
-        path.radiance = scene.background.xyz;
-        return path;
-    }
+    return track(ray, random);
+}
 
-    // Step 6: the sum of what arrives there and is scattered towards the eye, over all lights and all ways.
+// Step 6: what arrives at a point from the lights and is scattered towards the eye.
+fn lit(at: Scatter, towards_eye: vec3<f32>, bounce: u32, seed: u32, sample: u32, random: ptr<function, Pcg>) -> vec3<f32> {
+    var sum = vec3<f32>();
+    // `tracked`, and later scatterings, meet the environment where a path escapes.
+    let sky = ENVIRONMENT && METHOD != METHOD_TRACKED && bounce == 1u;
+    let lights = SUN_COUNT + u32(sky);
+    // The environment is the last light: one body for all, since everything here is inlined.
+    for (var i = 0u; i < lights; i++) {
+        let is_sun = i < SUN_COUNT;
+        let u = sample_set(seed, sample, set_at(bounce, select(SET_ENVIRONMENT, i, is_sun))).xy;
+        var towards_light: vec3<f32>;
+        var share: vec3<f32>;
+        if is_sun {
+            towards_light = sun_direction(scene.suns[i], u);
+            share = scattered(at, towards_eye, towards_light) * scene.suns[i].irradiance.xyz;
+        } else {
+            let drawn = draw_direction(at, towards_eye, u);
+            towards_light = drawn.direction;
+            share = drawn.weight * scene.environment.xyz;
+        }
+        if max(max(share.x, share.y), share.z) > 0.0 {
+            sum += share * visibility(at, towards_light, bounce, random);
+        }
+    }
+    return sum;
+}
+
+fn trace_path(camera_ray: Ray, film: vec4<f32>, seed: u32, sample: u32) -> Path {
+    var random = pcg_new(seed, sample);
+    var path = Path(scene.background.xyz, no_scatter());
     var throughput = vec3<f32>(1.0);
-    var towards_eye = -ray.direction;
-    for (var bounce = 1u; bounce <= slice.bounces; bounce++) {
-        for (var i = 0u; i < SUN_COUNT; i++) {
-            let sun = scene.suns[i];
-            let towards_sun = sun_direction(sun, sample_set(seed, sample, set_at(bounce, i)).xy);
-            let share = scattered(at, towards_eye, towards_sun);
-            if max(max(share.x, share.y), share.z) > 0.0 {
-                let visible = visibility(at, towards_sun, bounce, &random);
-                path.radiance += throughput * share * sun.irradiance.xyz * visible;
+    var ray = camera_ray;
+    for (var bounce = 1u; bounce <= slice.bounces + 1u; bounce++) {
+        let at = scatter_along(ray, bounce, 1.0 - film.z, &random);
+        if bounce == 1u {
+            if at.what == NOTHING {
+                break;
             }
-        }
-        let direct = METHOD != METHOD_TRACKED && bounce == 1u;
-        if ENVIRONMENT && direct {
-            let drawn = draw_direction(at, towards_eye, sample_set(seed, sample, set_at(bounce, SET_ENVIRONMENT)).xy);
-            let visible = visibility(at, drawn.direction, bounce, &random);
-            path.radiance += throughput * drawn.weight * environment_radiance() * visible;
-        }
-
-        // The way on: to the environment if it escapes, else to the next scattering.
-        let last = bounce == slice.bounces;
-        if last && (direct || !ENVIRONMENT) {
+            path = Path(vec3<f32>(), at);
+        } else if at.what == NOTHING {
+            // After the first scattering of `single` and `layered` the environment has been counted already.
+            if METHOD == METHOD_TRACKED || bounce > 2u {
+                path.radiance += throughput * environment_radiance();
+            }
             break;
         }
-        if !LONG_PATHS && METHOD != METHOD_TRACKED {
+        if bounce > slice.bounces {
+            break;
+        }
+        let towards_eye = -ray.direction;
+        path.radiance += throughput * lit(at, towards_eye, bounce, seed, sample, &random);
+
+        // The way on: to the environment if it escapes, else to the next scattering.
+        if METHOD != METHOD_TRACKED && !LONG_PATHS {
+            break;
+        }
+        if bounce == slice.bounces && !ENVIRONMENT {
             break;
         }
         let onward = sample_set(seed, sample, set_at(bounce, SET_ONWARD));
@@ -94,17 +120,7 @@ fn trace_path(ray: Ray, film: vec4<f32>, seed: u32, sample: u32) -> Path {
             }
             throughput /= survival;
         }
-        if COUNTERS {
-            count_rays += 1u;
-        }
-        at = track(ray_from(at.cell, at.point, drawn.direction), &random);
-        if at.what == NOTHING {
-            if !direct {
-                path.radiance += throughput * environment_radiance();
-            }
-            break;
-        }
-        towards_eye = -drawn.direction;
+        ray = ray_from(at.cell, at.point, drawn.direction);
     }
     return path;
 }

@@ -19,27 +19,27 @@ const MAX_MAJORANT: f32 = 256.0;
 // Collisions, real or null, within one cell. At MAX_MAJORANT this is a path of 64 mm through one cell.
 const MAX_COLLISIONS: u32 = 16384u;
 
-// `point` is relative to the cell `place`.
-fn overlap_at(place: vec2<i32>, cell: Cell, point: vec3<f32>, random: ptr<function, Pcg>) -> Overlap {
+// `point` is relative to the cell.
+fn overlap_at(cell_of_ray: Cell, point: vec3<f32>, random: ptr<function, Pcg>) -> Overlap {
     var weights = 0.0;
     var rho_sum = 0.0;
     var result = Overlap(0.0, 0u, 0.0, vec3<f32>());
-    for (var i = cell.entries_start; i < cell.entries_end; i++) {
-        let entry = open_entry(cell, i);
-        if point.z < entry.low || point.z > entry.high {
-            continue;
-        }
+    let height = (point.z - cell_of_ray.low) * 255.0 / max(cell_of_ray.high - cell_of_ray.low, 1.0e-20);
+    var cell = cell_of_ray;
+    cell.ray_low = height;
+    cell.ray_high = height;
+    for (var i = next_met(cell, cell.entries_start); i < cell.entries_end; i = next_met(cell, i + 1u)) {
         if COUNTERS {
             count_patch_tests += 1u;
         }
-        let index = loop_index(entry, place);
-        let shape = load_patch(index);
-        let in_loop_cell = vec3<f32>(point.xy - vec2<f32>(entry.offset) * scene.pitch, point.z);
-        let at = invert_point(shape, patch_normal(shape), in_loop_cell);
+        let listed = open_entry(cell, i);
+        let shape = load_patch(listed.index);
+        let shift = vec2<f32>(listed.cell - cell.place) * scene.pitch;
+        let at = invert_point(shape, patch_normal(shape), vec3<f32>(point.xy - shift, point.z));
         if any(abs(at - vec3<f32>(0.5, 0.5, 0.0)) > vec3<f32>(0.5)) {
             continue;
         }
-        let yarn = load_yarn(index);
+        let yarn = load_yarn(listed.index);
         let rho = sample_density(yarn, at.x, at.y, layer_at(at.z));
         let weight = yarn.density * rho.x;
         if weight <= 0.0 {
@@ -49,7 +49,7 @@ fn overlap_at(place: vec2<i32>, cell: Cell, point: vec3<f32>, random: ptr<functi
         weights += weight;
         rho_sum += rho.x;
         if first || pcg_next(random) * weights < weight {
-            result.index = index;
+            result.index = listed.index;
             result.shade = rho.y / rho.x;
             result.at = at;
         }
@@ -58,8 +58,10 @@ fn overlap_at(place: vec2<i32>, cell: Cell, point: vec3<f32>, random: ptr<functi
     return result;
 }
 
+// No extinction in the cell is above this; 0 where it lists nothing.
 fn majorant(cell: Cell) -> f32 {
-    let crowded = select(1.0, CROWDED, cell.entries_end > cell.entries_start + 1u);
+    let listed = cell.entries_end - cell.entries_start;
+    let crowded = select(f32(listed), CROWDED, listed > 1u);
     return min(scene.max_density * crowded, MAX_MAJORANT);
 }
 
@@ -79,39 +81,46 @@ fn free_path(mean: f32, random: ptr<function, Pcg>) -> f32 {
 // The next collision of a ray, or the ground yarn it meets, or nothing.
 fn track(ray: Ray, random: ptr<function, Pcg>) -> Scatter {
     var walk = walk_begin(ray);
+    var hit = Gathered(0.0, 0.0, 0.0, vec3<f32>());
+    var hit_index = 0u;
+    var ground = no_yarn();
     let limit = walk_limit();
     for (var n = 0u; n < limit && walk_goes_on(walk); n++) {
         if COUNTERS {
             count_cells += 1u;
         }
         let origin = origin_in_cell(ray, walk.cell);
-        let ground = skeleton_hit(walk.cell, origin, ray.direction, walk.t_enter, walk.t_exit);
+        ground = skeleton_hit(walk.cell, origin, ray.direction, walk.t_enter, walk.t_exit);
         let t_to = min(walk.t_exit, ground.t);
         let cell = open_cell(ray, walk.cell, walk.t_enter, t_to);
         let rate = majorant(cell);
-        if cell.entries_start < cell.entries_end && rate > 0.0 {
-            let range = within_heights(ray, cell, walk.t_enter, t_to);
-            var t = range.x;
-            for (var k = 0u; k < MAX_COLLISIONS; k++) {
-                t += free_path(1.0 / rate, random);
-                if t >= range.y {
-                    break;
-                }
-                let overlap = overlap_at(walk.cell, cell, origin + t * ray.direction, random);
-                if overlap.extinction > 0.0 && pcg_next(random) * rate < overlap.extinction {
-                    if COUNTERS {
-                        count_contributing_hits += 1u;
-                    }
-                    let shape = load_patch(overlap.index);
-                    let hit = Gathered(1.0, t, overlap.shade, overlap.at);
-                    return pile_scatter(ray, hit, shape, patch_normal(shape), load_yarn(overlap.index));
-                }
+        let range = within_heights(ray, cell, walk.t_enter, t_to);
+        var t = range.x;
+        for (var k = 0u; k < MAX_COLLISIONS && rate > 0.0; k++) {
+            t += free_path(1.0 / rate, random);
+            if t >= range.y {
+                break;
+            }
+            let overlap = overlap_at(cell, origin + t * ray.direction, random);
+            if overlap.extinction > 0.0 && pcg_next(random) * rate < overlap.extinction {
+                hit = Gathered(1.0, t, overlap.shade, overlap.at);
+                hit_index = overlap.index;
+                break;
             }
         }
-        if ground.t < FAR {
-            return ground_scatter(ray, walk.cell, ground);
+        if hit.alpha > 0.0 || ground.t < FAR {
+            break;
         }
         walk_step(ray, &walk);
+    }
+    if hit.alpha > 0.0 {
+        if COUNTERS {
+            count_contributing_hits += 1u;
+        }
+        return pile_scatter(ray, hit, hit_index);
+    }
+    if ground.t < FAR {
+        return ground_scatter(ray, walk.cell, ground);
     }
     return no_scatter();
 }
@@ -136,27 +145,23 @@ fn track_visibility(ray: Ray, random: ptr<function, Pcg>) -> f32 {
         }
         let cell = open_cell(ray, walk.cell, walk.t_enter, walk.t_exit);
         let rate = majorant(cell);
-        if cell.entries_start < cell.entries_end && rate > 0.0 {
-            let range = within_heights(ray, cell, walk.t_enter, walk.t_exit);
-            var t = range.x;
-            for (var k = 0u; k < MAX_COLLISIONS; k++) {
-                t += free_path(1.0 / rate, random);
-                if t >= range.y {
-                    break;
+        let range = within_heights(ray, cell, walk.t_enter, walk.t_exit);
+        var t = range.x;
+        for (var k = 0u; k < MAX_COLLISIONS && rate > 0.0; k++) {
+            t += free_path(1.0 / rate, random);
+            if t >= range.y {
+                break;
+            }
+            let overlap = overlap_at(cell, origin + t * ray.direction, random);
+            if COUNTERS && overlap.extinction > 0.0 {
+                count_contributing_hits += 1u;
+            }
+            visible *= max(1.0 - overlap.extinction / rate, 0.0);
+            if visible < ROULETTE_BELOW {
+                if visible <= 0.0 || pcg_next(random) >= ROULETTE_SURVIVAL {
+                    return 0.0;
                 }
-                let overlap = overlap_at(walk.cell, cell, origin + t * ray.direction, random);
-                if overlap.extinction > 0.0 {
-                    if COUNTERS {
-                        count_contributing_hits += 1u;
-                    }
-                    visible *= max(1.0 - overlap.extinction / rate, 0.0);
-                    if visible < ROULETTE_BELOW {
-                        if visible <= 0.0 || pcg_next(random) >= ROULETTE_SURVIVAL {
-                            return 0.0;
-                        }
-                        visible /= ROULETTE_SURVIVAL;
-                    }
-                }
+                visible /= ROULETTE_SURVIVAL;
             }
         }
         walk_step(ray, &walk);

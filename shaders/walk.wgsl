@@ -108,11 +108,13 @@ fn walk_limit() -> u32 {
 
 // What a cell lists.
 struct Cell {
+    place: vec2<i32>,
     entries_start: u32,
     entries_end: u32,
-    // Lowest and highest point of loops in the cell, and of the ray's part in it, mm.
+    // Lowest and highest point of loops in the cell, mm.
     low: f32,
     high: f32,
+    // Lowest and highest point of the ray's part in the cell, in 255ths of the cell's height range.
     ray_low: f32,
     ray_high: f32,
 }
@@ -123,47 +125,55 @@ fn header_index(cell: vec2<i32>) -> u32 {
 }
 
 // The cell's list, empty where the part of the ray from `t_from` to `t_to` misses the cell's height range.
-fn open_cell(ray: Ray, cell: vec2<i32>, t_from: f32, t_to: f32) -> Cell {
-    let header = cell_headers[header_index(cell)];
-    let low = f32(extractBits(bitcast<i32>(header.w), 0u, 16u)) * scene.height_unit;
-    let high = f32(extractBits(bitcast<i32>(header.w), 16u, 16u)) * scene.height_unit;
+fn open_cell(ray: Ray, place: vec2<i32>, t_from: f32, t_to: f32) -> Cell {
+    let header = cell_headers[header_index(place)];
+    let range = bitcast<i32>(header.w);
+    let low = f32(extractBits(range, 0u, 16u)) * scene.height_unit;
+    let high = f32(extractBits(range, 16u, 16u)) * scene.height_unit;
     let z_from = ray.origin.z + t_from * ray.direction.z;
     let z_to = ray.origin.z + t_to * ray.direction.z;
-    let ray_low = min(z_from, z_to);
-    let ray_high = max(z_from, z_to);
-    let missed = low > high || ray_high < low || ray_low > high;
-    let count = select(header.y, 0u, missed);
-    return Cell(header.x, header.x + count, low, high, ray_low, ray_high);
-}
-
-// One loop of a cell's list.
-struct Entry {
-    // False where the ray's part in the cell misses the height range of the loop's part in the cell.
-    met: bool,
-    // The loop's own cell minus the cell that lists it.
-    offset: vec2<i32>,
-    // 1 if the loop is the second one of its cell.
-    slot: u32,
-    // Lowest and highest point of the loop's part in the cell, mm.
-    low: f32,
-    high: f32,
-}
-
-fn open_entry(cell: Cell, index: u32) -> Entry {
-    let bits = cell_entries[index];
-    let word = bitcast<i32>(bits);
-    let step = (cell.high - cell.low) / 255.0;
-    let low = cell.low + step * f32(extractBits(bits, 16u, 8u));
-    let high = cell.low + step * f32(bits >> 24u);
-    return Entry(
-        cell.ray_high >= low && cell.ray_low <= high,
-        vec2<i32>(extractBits(word, 0u, 8u), extractBits(word, 8u, 7u)),
-        extractBits(bits, 15u, 1u),
+    let steps = 255.0 / max(high - low, 1.0e-20);
+    let ray_low = (min(z_from, z_to) - low) * steps;
+    let ray_high = (max(z_from, z_to) - low) * steps;
+    // A flat range has no steps: all of its entries are met.
+    let flat = high <= low;
+    let missed = low > high || min(z_from, z_to) > high || max(z_from, z_to) < low;
+    return Cell(
+        place,
+        header.x,
+        header.x + select(header.y, 0u, missed),
         low,
         high,
+        select(ray_low, 0.0, flat),
+        select(ray_high, 255.0, flat),
     );
 }
 
-fn loop_index(entry: Entry, cell: vec2<i32>) -> u32 {
-    return cell_headers[header_index(cell + entry.offset)].z + entry.slot;
+// The first entry from `start` on whose height range the ray's part in the cell meets; the end of the list if none. A
+// loop of its own, so that neighbouring threads that skip different entries come together at the costly test.
+fn next_met(cell: Cell, start: u32) -> u32 {
+    var index = start;
+    for (; index < cell.entries_end; index++) {
+        let bits = cell_entries[index];
+        let lowest = f32(extractBits(bits, 16u, 8u));
+        let highest = f32(extractBits(bits, 24u, 8u));
+        if lowest <= cell.ray_high && highest >= cell.ray_low {
+            break;
+        }
+    }
+    return index;
+}
+
+// A loop that a cell lists.
+struct Listed {
+    index: u32,
+    // Its own cell.
+    cell: vec2<i32>,
+}
+
+fn open_entry(cell: Cell, index: u32) -> Listed {
+    let bits = cell_entries[index];
+    let word = bitcast<i32>(bits);
+    let own_cell = cell.place + vec2<i32>(extractBits(word, 0u, 8u), extractBits(word, 8u, 7u));
+    return Listed(cell_headers[header_index(own_cell)].z + extractBits(bits, 15u, 1u), own_cell);
 }

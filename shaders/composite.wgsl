@@ -82,25 +82,24 @@ fn pile_scatter(ray: Ray, hit: Gathered, index: u32) -> Scatter {
 }
 
 // The first event at which the transmittance falls below `threshold` in (0, 1]: an event is chosen with probability
-// T·α, so its weight is 1 and the walk ends there. Steps 3 to 5 of the paper's §6 for one ray.
+// T·α, so its weight is 1 and the walk ends there.
 fn composite_first(ray: Ray, threshold: f32) -> Scatter {
-    var walk = walk_begin(ray);
+    // Step 5: the skeleton is opaque; loops of the far side are met in cells behind its gaps.
+    let ground = ground_along(ray, FAR);
+    var walk = walk_begin(ray, scene.z_range, ground.t);
     var transmittance = 1.0;
     var chosen: Gathered;
     var chosen_index = 0u;
-    var ground = no_yarn();
     let limit = walk_limit();
     for (var n = 0u; n < limit && walk_goes_on(walk); n++) {
         if COUNTERS {
             count_cells += 1u;
         }
-        ground = skeleton_hit(walk.cell, origin_in_cell(ray, walk.cell), ray.direction, walk.t_enter, walk.t_exit);
-        let t_to = min(walk.t_exit, ground.t);
-        let cell = open_cell(ray, walk.cell, walk.t_enter, t_to);
+        let cell = open_cell(ray, walk.cell, walk.t_enter, walk.t_exit);
         var after = -FAR;
         var scans = select(0u, MAX_SCANS, cell.entries_start < cell.entries_end);
         for (; scans > 0u; scans--) {
-            var nearest = nearest_events(ray, cell, walk.t_enter, t_to, after);
+            var nearest = nearest_events(ray, cell, walk.t_enter, walk.t_exit, after);
             for (var i = 0u; i < NEAREST && nearest.a.t < FAR && transmittance >= threshold; i++) {
                 let shape = load_patch(nearest.a.index);
                 chosen = gathered(nearest.a, shape, patch_normal(shape), load_yarn(nearest.a.index), ray);
@@ -113,7 +112,7 @@ fn composite_first(ray: Ray, threshold: f32) -> Scatter {
                 break;
             }
         }
-        if ground.t < FAR || transmittance < threshold {
+        if transmittance < threshold {
             break;
         }
         walk_step(ray, &walk);
@@ -122,7 +121,7 @@ fn composite_first(ray: Ray, threshold: f32) -> Scatter {
         return pile_scatter(ray, chosen, chosen_index);
     }
     if ground.t < FAR {
-        return ground_scatter(ray, walk.cell, ground);
+        return ground_scatter(ray, ground);
     }
     return no_scatter();
 }
@@ -132,16 +131,15 @@ const BLOCKED: f32 = 1.0e-4;
 
 // V: the share of light that passes all loops and the skeleton along a ray.
 fn composite_visibility(ray: Ray) -> f32 {
-    var walk = walk_begin(ray);
+    if ground_along(ray, FAR).t < FAR {
+        return 0.0;
+    }
+    var walk = walk_begin(ray, scene.z_range, FAR);
     var visible = 1.0;
     let limit = walk_limit();
     for (var n = 0u; n < limit && walk_goes_on(walk) && visible >= BLOCKED; n++) {
         if COUNTERS {
             count_cells += 1u;
-        }
-        let ground = skeleton_hit(walk.cell, origin_in_cell(ray, walk.cell), ray.direction, walk.t_enter, walk.t_exit);
-        if ground.t < FAR {
-            return 0.0;
         }
         let cell = open_cell(ray, walk.cell, walk.t_enter, walk.t_exit);
         for (var i = next_met(cell, cell.entries_start); i < cell.entries_end; i = next_met(cell, i + 1u)) {

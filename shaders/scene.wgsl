@@ -11,7 +11,7 @@ struct Sun {
 struct SceneConstants {
     // Size of a cell along x and y.
     pitch: vec2<f32>,
-    // Lowest and highest point of loops and skeleton.
+    // Lowest and highest point of the loops.
     z_range: vec2<f32>,
     // Cells along x and y, without the margin.
     sheet: vec2<i32>,

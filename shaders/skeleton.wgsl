@@ -9,12 +9,13 @@ struct YarnHit {
     t: f32,
     // Outward, unit.
     normal: vec3<f32>,
-    // Relative to the cell.
+    // Relative to `cell`.
     point: vec3<f32>,
+    cell: vec2<i32>,
 }
 
 fn no_yarn() -> YarnHit {
-    return YarnHit(FAR, vec3<f32>(), vec3<f32>());
+    return YarnHit(FAR, vec3<f32>(), vec3<f32>(), vec2<i32>());
 }
 
 // How far off the surface rays that leave it start, as a share of the radius: far above rounding, far below notice.
@@ -113,7 +114,7 @@ fn winding_hit(yarn: GroundYarn, origin: vec3<f32>, direction: vec3<f32>, range:
     let s = winding(yarn, point.y);
     let above = point.z - scene.crimp * s.x;
     let normal = vec3<f32>(point.x, -scene.crimp * s.y * above, above);
-    return YarnHit(t, normal * inverseSqrt(max(dot(normal, normal), 1.0e-30)), point);
+    return YarnHit(t, normal * inverseSqrt(max(dot(normal, normal), 1.0e-30)), point, vec2<i32>());
 }
 
 // Height above the paper's surface A·s.
@@ -141,7 +142,7 @@ fn paper_hit(yarn: GroundYarn, origin: vec3<f32>, direction: vec3<f32>, range: v
             let s = winding(yarn, point.y);
             let a = sqrt(max(yarn.radius * yarn.radius - point.x * point.x, 0.0));
             let normal = side * vec3<f32>(point.x * s.x, -a * a * s.y, a);
-            return YarnHit(low, normal * inverseSqrt(max(dot(normal, normal), 1.0e-30)), point);
+            return YarnHit(low, normal * inverseSqrt(max(dot(normal, normal), 1.0e-30)), point, vec2<i32>());
         }
         t_before = t;
     }
@@ -180,16 +181,7 @@ fn ground_yarn(stitch: u32, is_weft: bool) -> GroundYarn {
 }
 
 // The nearest ground yarn of a cell between two distances. `ray_origin` is relative to the cell.
-fn skeleton_hit(cell: vec2<i32>, ray_origin: vec3<f32>, direction: vec3<f32>, t_from: f32, t_to: f32) -> YarnHit {
-    if SKELETON == SKELETON_NONE || any(cell < vec2<i32>(0)) || any(cell >= scene.sheet) {
-        return no_yarn();
-    }
-    let thickest = max(scene.yarn_radius.x, scene.yarn_radius.y);
-    let highest = select(thickest + scene.crimp, thickest, SKELETON == SKELETON_PAPER);
-    let range = clip_band(vec2<f32>(t_from, t_to), ray_origin.z, direction.z, highest);
-    if range.x >= range.y {
-        return no_yarn();
-    }
+fn skeleton_hit(cell: vec2<i32>, ray_origin: vec3<f32>, direction: vec3<f32>, range: vec2<f32>) -> YarnHit {
     // Distances from where the ray enters: small numbers, however far the ray has come.
     let origin = ray_origin + range.x * direction;
     var nearest = no_yarn();
@@ -215,7 +207,7 @@ fn skeleton_hit(cell: vec2<i32>, ray_origin: vec3<f32>, direction: vec3<f32>, t_
             if hit.t < FAR {
                 let normal = select(hit.normal, hit.normal.yxz, is_weft);
                 let point = select(hit.point, hit.point.yxz, is_weft);
-                nearest = YarnHit(hit.t, normal, point + shift);
+                nearest = YarnHit(hit.t, normal, point + shift, cell);
                 found = true;
             }
         }
@@ -224,9 +216,30 @@ fn skeleton_hit(cell: vec2<i32>, ray_origin: vec3<f32>, direction: vec3<f32>, t_
     return nearest;
 }
 
-// Where light is scattered by a ground yarn of `cell`.
-fn ground_scatter(ray: Ray, cell: vec2<i32>, hit: YarnHit) -> Scatter {
+// The first ground yarn that a ray meets before `t_to`. A walk of its own, through the few cells in which the ray is
+// within the yarns' heights.
+fn ground_along(ray: Ray, t_to: f32) -> YarnHit {
+    var hit = no_yarn();
+    if SKELETON == SKELETON_NONE {
+        return hit;
+    }
+    let thickest = max(scene.yarn_radius.x, scene.yarn_radius.y);
+    let highest = select(thickest + scene.crimp, thickest, SKELETON == SKELETON_PAPER);
+    var walk = walk_begin(ray, vec2<f32>(-highest, highest), t_to);
+    let limit = walk_limit();
+    for (var n = 0u; n < limit && walk_goes_on(walk) && hit.t >= FAR; n++) {
+        if all(walk.cell >= vec2<i32>(0)) && all(walk.cell < scene.sheet) {
+            let range = vec2<f32>(walk.t_enter, walk.t_exit);
+            hit = skeleton_hit(walk.cell, origin_in_cell(ray, walk.cell), ray.direction, range);
+        }
+        walk_step(ray, &walk);
+    }
+    return hit;
+}
+
+// Where light is scattered by a ground yarn.
+fn ground_scatter(ray: Ray, hit: YarnHit) -> Scatter {
     let facing = select(-1.0, 1.0, dot(hit.normal, ray.direction) <= 0.0) * hit.normal;
     let lift = YARN_LIFT * min(scene.yarn_radius.x, scene.yarn_radius.y);
-    return Scatter(GROUND, cell, hit.point + lift * facing, hit.t, facing, vec3<f32>(), scene.skeleton_albedo.xyz);
+    return Scatter(GROUND, hit.cell, hit.point + lift * facing, hit.t, facing, vec3<f32>(), scene.skeleton_albedo.xyz);
 }

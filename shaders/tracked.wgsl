@@ -80,21 +80,18 @@ fn free_path(mean: f32, random: ptr<function, Pcg>) -> f32 {
 
 // The next collision of a ray, or the ground yarn it meets, or nothing.
 fn track(ray: Ray, random: ptr<function, Pcg>) -> Scatter {
-    var walk = walk_begin(ray);
+    var walk = walk_begin(ray, scene.z_range, FAR);
     var hit = Gathered(0.0, 0.0, 0.0, vec3<f32>());
     var hit_index = 0u;
-    var ground = no_yarn();
     let limit = walk_limit();
     for (var n = 0u; n < limit && walk_goes_on(walk); n++) {
         if COUNTERS {
             count_cells += 1u;
         }
         let origin = origin_in_cell(ray, walk.cell);
-        ground = skeleton_hit(walk.cell, origin, ray.direction, walk.t_enter, walk.t_exit);
-        let t_to = min(walk.t_exit, ground.t);
-        let cell = open_cell(ray, walk.cell, walk.t_enter, t_to);
+        let cell = open_cell(ray, walk.cell, walk.t_enter, walk.t_exit);
         let rate = majorant(cell);
-        let range = within_heights(ray, cell, walk.t_enter, t_to);
+        let range = within_heights(ray, cell, walk.t_enter, walk.t_exit);
         var t = range.x;
         for (var k = 0u; k < MAX_COLLISIONS && rate > 0.0; k++) {
             t += free_path(1.0 / rate, random);
@@ -108,19 +105,21 @@ fn track(ray: Ray, random: ptr<function, Pcg>) -> Scatter {
                 break;
             }
         }
-        if hit.alpha > 0.0 || ground.t < FAR {
+        if hit.alpha > 0.0 {
             break;
         }
         walk_step(ray, &walk);
+    }
+    // Free paths in pile are short, so that seldom much of the skeleton lies before the collision.
+    let ground = ground_along(ray, select(FAR, hit.t, hit.alpha > 0.0));
+    if ground.t < FAR {
+        return ground_scatter(ray, ground);
     }
     if hit.alpha > 0.0 {
         if COUNTERS {
             count_contributing_hits += 1u;
         }
         return pile_scatter(ray, hit, hit_index);
-    }
-    if ground.t < FAR {
-        return ground_scatter(ray, walk.cell, ground);
     }
     return no_scatter();
 }
@@ -131,7 +130,10 @@ const ROULETTE_SURVIVAL: f32 = 0.25;
 
 // An unbiased estimate of the share of light that passes along a ray.
 fn track_visibility(ray: Ray, random: ptr<function, Pcg>) -> f32 {
-    var walk = walk_begin(ray);
+    if ground_along(ray, FAR).t < FAR {
+        return 0.0;
+    }
+    var walk = walk_begin(ray, scene.z_range, FAR);
     var visible = 1.0;
     let limit = walk_limit();
     for (var n = 0u; n < limit && walk_goes_on(walk); n++) {
@@ -139,10 +141,6 @@ fn track_visibility(ray: Ray, random: ptr<function, Pcg>) -> f32 {
             count_cells += 1u;
         }
         let origin = origin_in_cell(ray, walk.cell);
-        let ground = skeleton_hit(walk.cell, origin, ray.direction, walk.t_enter, walk.t_exit);
-        if ground.t < FAR {
-            return 0.0;
-        }
         let cell = open_cell(ray, walk.cell, walk.t_enter, walk.t_exit);
         let rate = majorant(cell);
         let range = within_heights(ray, cell, walk.t_enter, walk.t_exit);

@@ -54,19 +54,19 @@ fn walk_boundaries(ray: Ray, walk: Walk) -> vec2<f32> {
     return select(t, vec2<f32>(FAR), abs(ray.direction.xy) < vec2<f32>(PARALLEL));
 }
 
-// Clips the ray to the box around all loops and the skeleton and finds its first cell.
-fn walk_begin(ray: Ray) -> Walk {
+// Clips the ray to distances below `t_to` and to the part of the grid between two heights, and finds its first cell.
+fn walk_begin(ray: Ray, heights: vec2<f32>, t_to: f32) -> Walk {
     let inverse = bounded_inverse(ray.direction);
     let first = vec2<f32>(-scene.margin - ray.cell) - 0.5;
     let last = vec2<f32>(scene.sheet + scene.margin - ray.cell) - 0.5;
-    let low = vec3<f32>(first * scene.pitch, scene.z_range.x);
-    let high = vec3<f32>(last * scene.pitch, scene.z_range.y);
+    let low = vec3<f32>(first * scene.pitch, heights.x);
+    let high = vec3<f32>(last * scene.pitch, heights.y);
     let a = (low - ray.origin) * inverse;
     let b = (high - ray.origin) * inverse;
     let near = min(a, b);
     let far = max(a, b);
     let t_enter = max(max(near.x, near.y), max(near.z, ray.t_start));
-    let t_end = min(min(far.x, far.y), min(far.z, FAR));
+    let t_end = min(min(far.x, far.y), min(far.z, t_to));
     let entry = ray.origin.xy + t_enter * ray.direction.xy;
     let cells = clamp(floor(entry / scene.pitch + 0.5), first + 0.5, last - 0.5);
     var walk = Walk(

@@ -127,7 +127,7 @@ mirrors! {
     struct SceneConstants {
         /// Size of a cell, mm.
         pitch: [f32; 2],
-        /// Lowest and highest point of the cloth, mm.
+        /// Lowest and highest point of the loops, mm.
         z_range: [f32; 2],
         /// Cells of the sheet.
         sheet: [i32; 2],

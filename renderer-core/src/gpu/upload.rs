@@ -347,7 +347,7 @@ fn scene_constants(scene: &Scene) -> SceneConstants {
     }
     SceneConstants {
         pitch: [sheet.pitch_x_mm as f32, sheet.pitch_y_mm as f32],
-        z_range: z_range_mm(scene).map(|z| z as f32),
+        z_range: loops.z_range_mm,
         sheet: [sheet.warps as i32, sheet.wefts as i32],
         margin: loops.margin.map(|cells| cells as i32),
         half_base_width: 0.5 * loops.base_width_mm,

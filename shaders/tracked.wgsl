@@ -16,8 +16,40 @@ const CROWDED: f32 = 1.5;
 // A mean free path below 1/256 mm cannot be told from a surface; denser yarn collides at once where it begins, and
 // tracking through the empty parts beside it stays affordable.
 const MAX_MAJORANT: f32 = 256.0;
-// Collisions, real or null, within one cell. At MAX_MAJORANT this is a path of 64 mm through one cell.
-const MAX_COLLISIONS: u32 = 16384u;
+// Collisions, real or null, of one ray. At MAX_MAJORANT this is a path of 250 mm through cells that list loops.
+const MAX_COLLISIONS: u32 = 65536u;
+
+// A loop that holds a point.
+struct Holder {
+    // Place in the cell's list; its end where there is none.
+    entry: u32,
+    index: u32,
+    // The point in the loop.
+    at: vec3<f32>,
+}
+
+// The first loop from `start` on in a cell's list that holds the point. A loop of its own, like next_met.
+fn next_holder(cell: Cell, start: u32, point: vec3<f32>) -> Holder {
+    var holder = Holder(start, 0u, vec3<f32>());
+    for (; holder.entry < cell.entries_end; holder.entry++) {
+        holder.entry = next_met(cell, holder.entry);
+        if holder.entry >= cell.entries_end {
+            break;
+        }
+        if COUNTERS {
+            count_patch_tests += 1u;
+        }
+        let listed = open_entry(cell, holder.entry);
+        let shape = load_patch(listed.index);
+        let shift = vec2<f32>(listed.cell - cell.place) * scene.pitch;
+        holder.index = listed.index;
+        holder.at = invert_point(shape, patch_normal(shape), vec3<f32>(point.xy - shift, point.z));
+        if all(abs(holder.at - vec3<f32>(0.5, 0.5, 0.0)) <= vec3<f32>(0.5)) {
+            break;
+        }
+    }
+    return holder;
+}
 
 // `point` is relative to the cell.
 fn overlap_at(cell_of_ray: Cell, point: vec3<f32>, random: ptr<function, Pcg>) -> Overlap {
@@ -28,30 +60,23 @@ fn overlap_at(cell_of_ray: Cell, point: vec3<f32>, random: ptr<function, Pcg>) -
     var cell = cell_of_ray;
     cell.ray_low = height;
     cell.ray_high = height;
-    for (var i = next_met(cell, cell.entries_start); i < cell.entries_end; i = next_met(cell, i + 1u)) {
-        if COUNTERS {
-            count_patch_tests += 1u;
+    var start = cell.entries_start;
+    loop {
+        let holder = next_holder(cell, start, point);
+        if holder.entry >= cell.entries_end {
+            break;
         }
-        let listed = open_entry(cell, i);
-        let shape = load_patch(listed.index);
-        let shift = vec2<f32>(listed.cell - cell.place) * scene.pitch;
-        let at = invert_point(shape, patch_normal(shape), vec3<f32>(point.xy - shift, point.z));
-        if any(abs(at - vec3<f32>(0.5, 0.5, 0.0)) > vec3<f32>(0.5)) {
-            continue;
-        }
-        let yarn = load_yarn(listed.index);
-        let rho = sample_density(yarn, at.x, at.y, layer_at(at.z));
+        start = holder.entry + 1u;
+        let yarn = load_yarn(holder.index);
+        let rho = sample_density(yarn, holder.at.x, holder.at.y, layer_at(holder.at.z));
         let weight = yarn.density * rho.x;
-        if weight <= 0.0 {
-            continue;
-        }
         let first = weights == 0.0;
         weights += weight;
         rho_sum += rho.x;
-        if first || pcg_next(random) * weights < weight {
-            result.index = listed.index;
+        if weight > 0.0 && (first || pcg_next(random) * weights < weight) {
+            result.index = holder.index;
             result.shade = rho.y / rho.x;
-            result.at = at;
+            result.at = holder.at;
         }
     }
     result.extinction = weights * min(1.0, CROWDED / max(rho_sum, 1.0e-6));
@@ -73,42 +98,82 @@ fn within_heights(ray: Ray, cell: Cell, t_from: f32, t_to: f32) -> vec2<f32> {
     return vec2<f32>(max(t_from, min(a, b)), min(t_to, max(a, b)));
 }
 
-fn free_path(mean: f32, random: ptr<function, Pcg>) -> f32 {
+// A ray on its way from one tentative collision to the next.
+struct Flight {
+    walk: Walk,
+    cell: Cell,
+    // Tentative collisions in a millimetre of this cell.
+    rate: f32,
+    // The way that is left within this cell's heights.
+    t: f32,
+    t_to: f32,
+}
+
+fn enter_cell(ray: Ray, flight: ptr<function, Flight>) {
+    if COUNTERS {
+        count_cells += 1u;
+    }
+    let walk = (*flight).walk;
+    let cell = open_cell(ray, walk.cell, walk.t_enter, walk.t_exit);
+    let range = within_heights(ray, cell, walk.t_enter, walk.t_exit);
+    (*flight).cell = cell;
+    (*flight).rate = majorant(cell);
+    (*flight).t = range.x;
+    (*flight).t_to = max(range.x, range.y);
+}
+
+fn take_off(ray: Ray) -> Flight {
+    var flight: Flight;
+    flight.walk = walk_begin(ray, scene.z_range, FAR);
+    if walk_goes_on(flight.walk) {
+        enter_cell(ray, &flight);
+    }
+    return flight;
+}
+
+// Moves on to the next tentative collision, through as many cells as it takes; false where the ray leaves the cloth. A
+// loop of its own, so that neighbouring threads come together at the costly look into the loops.
+fn fly(ray: Ray, flight: ptr<function, Flight>, random: ptr<function, Pcg>) -> bool {
     // 1 − random is in (0, 1], so the logarithm is finite.
-    return -log(1.0 - pcg_next(random)) * mean;
+    var depth = -log(1.0 - pcg_next(random));
+    let limit = walk_limit();
+    // Pointers to parts of a struct cannot be passed on in portable WGSL.
+    var walk = (*flight).walk;
+    for (var n = 0u; n < limit && walk_goes_on(walk); n++) {
+        let depth_here = (*flight).rate * ((*flight).t_to - (*flight).t);
+        if depth < depth_here {
+            (*flight).t += depth / (*flight).rate;
+            return true;
+        }
+        depth -= depth_here;
+        walk_step(ray, &walk);
+        (*flight).walk = walk;
+        if walk_goes_on(walk) {
+            enter_cell(ray, flight);
+        }
+    }
+    return false;
+}
+
+fn overlap_on(ray: Ray, flight: Flight, random: ptr<function, Pcg>) -> Overlap {
+    let point = origin_in_cell(ray, flight.cell.place) + flight.t * ray.direction;
+    return overlap_at(flight.cell, point, random);
 }
 
 // The next collision of a ray, or the ground yarn it meets, or nothing.
 fn track(ray: Ray, random: ptr<function, Pcg>) -> Scatter {
-    var walk = walk_begin(ray, scene.z_range, FAR);
+    var flight = take_off(ray);
     var hit = Gathered(0.0, 0.0, 0.0, vec3<f32>());
     var hit_index = 0u;
-    let limit = walk_limit();
-    for (var n = 0u; n < limit && walk_goes_on(walk); n++) {
-        if COUNTERS {
-            count_cells += 1u;
-        }
-        let origin = origin_in_cell(ray, walk.cell);
-        let cell = open_cell(ray, walk.cell, walk.t_enter, walk.t_exit);
-        let rate = majorant(cell);
-        let range = within_heights(ray, cell, walk.t_enter, walk.t_exit);
-        var t = range.x;
-        for (var k = 0u; k < MAX_COLLISIONS && rate > 0.0; k++) {
-            t += free_path(1.0 / rate, random);
-            if t >= range.y {
-                break;
-            }
-            let overlap = overlap_at(cell, origin + t * ray.direction, random);
-            if overlap.extinction > 0.0 && pcg_next(random) * rate < overlap.extinction {
-                hit = Gathered(1.0, t, overlap.shade, overlap.at);
-                hit_index = overlap.index;
-                break;
-            }
-        }
-        if hit.alpha > 0.0 {
+    for (var k = 0u; k < MAX_COLLISIONS && hit.alpha <= 0.0; k++) {
+        if !fly(ray, &flight, random) {
             break;
         }
-        walk_step(ray, &walk);
+        let overlap = overlap_on(ray, flight, random);
+        if overlap.extinction > 0.0 && pcg_next(random) * flight.rate < overlap.extinction {
+            hit = Gathered(1.0, flight.t, overlap.shade, overlap.at);
+            hit_index = overlap.index;
+        }
     }
     // Free paths in pile are short, so that seldom much of the skeleton lies before the collision.
     let ground = ground_along(ray, select(FAR, hit.t, hit.alpha > 0.0));
@@ -133,36 +198,20 @@ fn track_visibility(ray: Ray, random: ptr<function, Pcg>) -> f32 {
     if ground_along(ray, FAR).t < FAR {
         return 0.0;
     }
-    var walk = walk_begin(ray, scene.z_range, FAR);
+    var flight = take_off(ray);
     var visible = 1.0;
-    let limit = walk_limit();
-    for (var n = 0u; n < limit && walk_goes_on(walk); n++) {
-        if COUNTERS {
-            count_cells += 1u;
+    for (var k = 0u; k < MAX_COLLISIONS && visible > 0.0; k++) {
+        if !fly(ray, &flight, random) {
+            break;
         }
-        let origin = origin_in_cell(ray, walk.cell);
-        let cell = open_cell(ray, walk.cell, walk.t_enter, walk.t_exit);
-        let rate = majorant(cell);
-        let range = within_heights(ray, cell, walk.t_enter, walk.t_exit);
-        var t = range.x;
-        for (var k = 0u; k < MAX_COLLISIONS && rate > 0.0; k++) {
-            t += free_path(1.0 / rate, random);
-            if t >= range.y {
-                break;
-            }
-            let overlap = overlap_at(cell, origin + t * ray.direction, random);
-            if COUNTERS && overlap.extinction > 0.0 {
-                count_contributing_hits += 1u;
-            }
-            visible *= max(1.0 - overlap.extinction / rate, 0.0);
-            if visible < ROULETTE_BELOW {
-                if visible <= 0.0 || pcg_next(random) >= ROULETTE_SURVIVAL {
-                    return 0.0;
-                }
-                visible /= ROULETTE_SURVIVAL;
-            }
+        let overlap = overlap_on(ray, flight, random);
+        if COUNTERS && overlap.extinction > 0.0 {
+            count_contributing_hits += 1u;
         }
-        walk_step(ray, &walk);
+        visible *= max(1.0 - overlap.extinction / flight.rate, 0.0);
+        if visible < ROULETTE_BELOW {
+            visible = select(0.0, visible / ROULETTE_SURVIVAL, pcg_next(random) < ROULETTE_SURVIVAL);
+        }
     }
     return visible;
 }

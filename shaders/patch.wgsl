@@ -139,8 +139,11 @@ fn invert_point(shape: Patch, normal: vec3<f32>, point: vec3<f32>) -> vec3<f32> 
     let alpha = dot(spread, b_dual);
     let beta = dot(spread, c_dual);
     let linear = 1.0 + alpha * q - beta * p;
-    let root = sqrt(max(linear * linear + 4.0 * beta * p, 0.0));
-    let u = 2.0 * p / max(linear + root, 1.0e-6);
+    let discriminant = linear * linear + 4.0 * beta * p;
+    if discriminant < 0.0 {
+        return vec3<f32>(FAR);
+    }
+    let u = 2.0 * p / max(linear + sqrt(discriminant), 1.0e-6);
     let v = q / max(1.0 + beta * u, 1.0e-6);
     let w = (dot(from_centre, normal) - u * v * dot(spread, normal)) / scene.thickness;
     return vec3<f32>(u + 0.5, v + 0.5, w);

@@ -24,6 +24,8 @@ const YARN_LIFT: f32 = 1.0e-4;
 const SMALLEST_STEP: f32 = 1.0 / 64.0;
 // Enough to graze along a whole cell 8 radii long by smallest steps.
 const YARN_STEPS: u32 = 512u;
+// Bounds of a tube are this much too wide: where they only just touch it, rounding would put their edge inside.
+const ROOMY: f32 = 1.001;
 const PAPER_STEPS: u32 = 16u;
 // Halvings of a bracket of the paper's height field: down to what f32 resolves of a yarn.
 const BISECTIONS: u32 = 16u;
@@ -79,14 +81,15 @@ fn tube_distance(yarn: GroundYarn, point: vec3<f32>) -> f32 {
 // `origin` and `direction` are (across, along, up); so are the normal and the point returned.
 fn winding_hit(yarn: GroundYarn, origin: vec3<f32>, direction: vec3<f32>, range: vec2<f32>) -> YarnHit {
     // The tube's distance changes at most this fast along a unit direction.
-    let steepness = scene.crimp * PI / yarn.pitch;
+    let straight = yarn.before == yarn.here && yarn.next == yarn.here;
+    let steepness = select(scene.crimp * PI / yarn.pitch, 0.0, straight);
     let safe_share = inverseSqrt(1.0 + steepness * steepness);
     let smallest = SMALLEST_STEP * yarn.radius;
     var t = range.x;
     var gap = tube_distance(yarn, origin + t * direction);
     var before = t;
     var gap_before = gap;
-    // A ray that starts inside meets the yarn where it starts.
+    // A ray that is inside from the start has met the yarn at its cut end.
     for (var i = 0u; i < YARN_STEPS && gap > 0.0 && t < range.y; i++) {
         before = t;
         gap_before = gap;
@@ -150,14 +153,18 @@ fn paper_hit(yarn: GroundYarn, origin: vec3<f32>, direction: vec3<f32>, range: v
 }
 
 fn yarn_hit(yarn: GroundYarn, origin: vec3<f32>, direction: vec3<f32>, range: vec2<f32>) -> YarnHit {
-    let height = select(yarn.radius + scene.crimp, yarn.radius, SKELETON == SKELETON_PAPER);
-    let strip = clip_band(range, origin.x, direction.x, yarn.radius);
-    let within = clip_band(strip, origin.z, direction.z, height);
+    if SKELETON == SKELETON_PAPER {
+        let strip = clip_band(range, origin.x, direction.x, yarn.radius);
+        let within = clip_band(strip, origin.z, direction.z, yarn.radius);
+        if within.x >= within.y {
+            return no_yarn();
+        }
+        return paper_hit(yarn, origin, direction, within);
+    }
+    let strip = clip_band(range, origin.x, direction.x, yarn.radius * ROOMY);
+    let within = clip_band(strip, origin.z, direction.z, (yarn.radius + scene.crimp) * ROOMY);
     if within.x >= within.y {
         return no_yarn();
-    }
-    if SKELETON == SKELETON_PAPER {
-        return paper_hit(yarn, origin, direction, within);
     }
     return winding_hit(yarn, origin, direction, within);
 }
@@ -178,6 +185,12 @@ fn ground_yarn(stitch: u32, is_weft: bool) -> GroundYarn {
     let near = warp_side(stitch, STITCH_NEAR);
     let far = warp_side(stitch, STITCH_FAR);
     return GroundYarn(scene.yarn_radius.x, scene.pitch.y, near, here, far);
+}
+
+// Normal of a yarn's cut end, where a ray enters the cell inside the yarn: only the sheet's border can be there.
+fn cut_normal(point: vec3<f32>) -> vec3<f32> {
+    let x_border = abs(point.x) * scene.pitch.y > abs(point.y) * scene.pitch.x;
+    return select(vec3<f32>(0.0, sign(point.y), 0.0), vec3<f32>(sign(point.x), 0.0, 0.0), x_border);
 }
 
 // The nearest ground yarn of a cell between two distances. `ray_origin` is relative to the cell.
@@ -205,7 +218,10 @@ fn skeleton_hit(cell: vec2<i32>, ray_origin: vec3<f32>, direction: vec3<f32>, ra
                 vec2<f32>(0.0, nearest.t),
             );
             if hit.t < FAR {
-                let normal = select(hit.normal, hit.normal.yxz, is_weft);
+                var normal = select(hit.normal, hit.normal.yxz, is_weft);
+                if SKELETON == SKELETON_WINDING && hit.t <= 0.0 {
+                    normal = cut_normal(origin);
+                }
                 let point = select(hit.point, hit.point.yxz, is_weft);
                 nearest = YarnHit(hit.t, normal, point + shift, cell);
                 found = true;
@@ -224,7 +240,7 @@ fn ground_along(ray: Ray, t_to: f32) -> YarnHit {
         return hit;
     }
     let thickest = max(scene.yarn_radius.x, scene.yarn_radius.y);
-    let highest = select(thickest + scene.crimp, thickest, SKELETON == SKELETON_PAPER);
+    let highest = select((thickest + scene.crimp) * ROOMY, thickest, SKELETON == SKELETON_PAPER);
     var walk = walk_begin(ray, vec2<f32>(-highest, highest), t_to);
     let limit = walk_limit();
     for (var n = 0u; n < limit && walk_goes_on(walk) && hit.t >= FAR; n++) {

@@ -1,1 +1,219 @@
-//! gpu_vs_cpu
+//! The GPU draws what the processor draws: the same samples to rounding for `single` and `layered`, the same expectation
+//! for everything with free paths.
+
+use renderer_core::cpu::CpuBackend;
+use renderer_core::design::{Design, Interpolation, Method, Phase, SkeletonHeight};
+use renderer_core::gpu::GpuBackend;
+use renderer_core::image::Picture;
+use renderer_core::render::{Backend, RenderRequest};
+
+use crate::support::compare::{REPEATS, same_means, same_samples, shows_something};
+use crate::support::device::{exact_gpu, finish, gpu, on_cpu};
+use crate::support::scenes::{preset_paths, request, small_towel};
+
+const SIZE: [u32; 2] = [48, 40];
+
+/// Draws one sample a pixel on both sides and compares.
+fn assert_same_samples(gpu: &mut GpuBackend, what: &str, design: &Design) {
+    let request = request(design, SIZE);
+    let expected = on_cpu(&request);
+    let drawn = finish(gpu, &request);
+    shows_something(&expected).unwrap_or_else(|error| panic!("{what}, processor: {error}"));
+    same_samples(&request, &expected, &drawn).unwrap_or_else(|error| panic!("{what}: {error}"));
+}
+
+#[test]
+fn single_and_layered_draw_the_same_samples_with_every_phase_and_skeleton() {
+    let mut design = small_towel();
+    let mut gpu = exact_gpu();
+    for (method, phase, height, interpolation) in [
+        (
+            Method::Single,
+            Phase::Isotropic,
+            SkeletonHeight::Winding,
+            Interpolation::Linear,
+        ),
+        (
+            Method::Single,
+            Phase::KajiyaKay,
+            SkeletonHeight::Paper,
+            Interpolation::Nearest,
+        ),
+        (
+            Method::Layered,
+            Phase::FrameLambert,
+            SkeletonHeight::Winding,
+            Interpolation::Nearest,
+        ),
+        (
+            Method::Layered,
+            Phase::Isotropic,
+            SkeletonHeight::Paper,
+            Interpolation::Linear,
+        ),
+    ] {
+        design.quality.method = method;
+        design.pile.phase = phase;
+        design.skeleton.height = height;
+        design.pile.interpolation = interpolation;
+        assert_same_samples(
+            &mut gpu,
+            &format!("{method:?} {phase:?} {height:?}"),
+            &design,
+        );
+    }
+}
+
+#[test]
+fn the_back_the_edge_and_thick_yarns_are_the_same() {
+    let mut design = small_towel();
+    let mut gpu = exact_gpu();
+    design.view.cameras[0].elevation = -35.0;
+    assert_same_samples(&mut gpu, "from behind", &design);
+    design.view.cameras[0].elevation = 4.0;
+    assert_same_samples(&mut gpu, "grazing", &design);
+    design.view.cameras[0].elevation = 60.0;
+    // Wider than the pitch: yarns reach into their neighbours' cells.
+    (design.skeleton.warp_radius, design.skeleton.weft_radius) = (0.5, 0.2);
+    design.view.cameras[0].orthographic_height = Some(12.0);
+    assert_same_samples(&mut gpu, "thick yarns, orthographic", &design);
+}
+
+#[test]
+fn the_last_cells_of_a_carpet_are_drawn_as_exactly_as_the_first() {
+    let mut design = small_towel();
+    (design.sheet.warps, design.sheet.wefts) = (100_000, 4);
+    let mut gpu = exact_gpu();
+    let end_mm = 0.5 * f64::from(design.sheet.warps) * design.sheet.pitch_x();
+    for x in [-end_mm, end_mm] {
+        design.view.cameras[0].target = [x, 0.0, 0.0];
+        assert_same_samples(&mut gpu, &format!("at {x} mm"), &design);
+    }
+}
+
+#[test]
+fn a_crop_holds_the_pixels_of_the_whole() {
+    let design = small_towel();
+    let mut request = request(&design, SIZE);
+    let mut backend = gpu();
+    let whole = finish(&mut backend, &request);
+    request.crop = [9, 7, 21, 18];
+    let part = finish(&mut backend, &request);
+    assert_eq!(part.size, [21, 18]);
+    for y in 0..18 {
+        for x in 0..21 {
+            let of_whole = whole.pixels[(y + 7) * 48 + x + 9];
+            let of_part = part.pixels[y * 21 + x];
+            // Tiles differ, and with them the f32 bases of rays: almost all pixels keep all but their last digits.
+            let near = (0..4).all(|c| (of_whole[c] - of_part[c]).abs() < 1e-3);
+            assert!(near, "{x},{y}: {of_whole:?} and {of_part:?}");
+        }
+    }
+}
+
+/// Pictures with consecutive seeds.
+fn repeats(backend: &mut dyn Backend, request: &RenderRequest, first_seed: u32) -> Vec<Picture> {
+    let mut request = request.clone();
+    (0..REPEATS as u32)
+        .map(|k| {
+            request.settings.seed = first_seed + k;
+            finish(backend, &request)
+        })
+        .collect()
+}
+
+/// Pictures of the GPU and of the processor, with different seeds.
+fn both(design: &Design, size: [u32; 2]) -> [Vec<Picture>; 2] {
+    let request = request(design, size);
+    [
+        repeats(&mut gpu(), &request, 1000),
+        repeats(&mut CpuBackend::default(), &request, 5000),
+    ]
+}
+
+#[test]
+fn tracked_paths_have_the_same_expectation() {
+    let mut design = small_towel();
+    design.quality.method = Method::Tracked;
+    design.quality.samples = 4;
+    for (bounces, phase) in [(1, Phase::FrameLambert), (6, Phase::Isotropic)] {
+        design.quality.bounces = bounces;
+        design.pile.phase = phase;
+        let [gpu, cpu] = both(&design, [24, 24]);
+        same_means(&cpu, &gpu).unwrap_or_else(|error| panic!("{bounces} bounces: {error}"));
+        // The test sees a difference of a few percent: paths one scattering shorter, or light a little brighter.
+        let dimmed: Vec<Picture> = gpu.iter().map(|picture| scaled(picture, 0.94)).collect();
+        assert!(same_means(&cpu, &dimmed).is_err());
+    }
+}
+
+#[test]
+fn paths_that_go_on_after_single_have_the_same_expectation() {
+    let mut design = small_towel();
+    (design.quality.samples, design.quality.bounces) = (4, 4);
+    let [gpu, cpu] = both(&design, [24, 24]);
+    same_means(&cpu, &gpu).unwrap();
+    design.quality.bounces = 3;
+    let [shorter, _] = both(&design, [24, 24]);
+    assert!(same_means(&cpu, &shorter).is_err());
+}
+
+fn scaled(picture: &Picture, by: f32) -> Picture {
+    let mut scaled = picture.clone();
+    for pixel in &mut scaled.pixels {
+        *pixel = pixel.map(|value| value * by);
+    }
+    scaled
+}
+
+#[test]
+fn the_comparators_refuse_wrong_pictures() {
+    let design = small_towel();
+    let request = request(&design, SIZE);
+    let right = on_cpu(&request);
+    assert_eq!(same_samples(&request, &right, &right), Ok(()));
+
+    let mut swapped = right.clone();
+    swapped.pixels.reverse();
+    assert!(same_samples(&request, &right, &swapped).is_err());
+    assert!(same_means(&vec![right.clone(); REPEATS], &vec![swapped; REPEATS]).is_err());
+
+    let mut shifted = right.clone();
+    shifted.pixels.rotate_right(1);
+    assert!(same_samples(&request, &right, &shifted).is_err());
+
+    for changed in [0.01, f32::NAN] {
+        let mut one = right.clone();
+        one.pixels[SIZE[0] as usize * 20 + 24][1] += changed;
+        assert!(same_samples(&request, &right, &one).is_err(), "{changed}");
+    }
+    let mut broken = right.clone();
+    broken.pixels[5][2] = f32::INFINITY;
+    assert!(shows_something(&broken).is_err());
+    assert!(shows_something(&scaled(&right, 0.0)).is_err());
+}
+
+#[test]
+fn every_preset_renders_on_both_backends_and_they_agree() {
+    let (mut gpu, mut cpu, mut exact) = (gpu(), CpuBackend::default(), exact_gpu());
+    for path in preset_paths() {
+        let name = path.display();
+        let mut design = towel_designer::files::load_design(&path).unwrap();
+        // As it is: something to see on both, from every saved camera.
+        design.quality.samples = 1;
+        let cameras = design.view.cameras.clone();
+        for camera in cameras {
+            design.view.cameras = vec![camera];
+            let own = request(&design, [24, 24]);
+            for backend in [&mut gpu as &mut dyn Backend, &mut cpu] {
+                let picture = finish(backend, &own);
+                shows_something(&picture)
+                    .unwrap_or_else(|error| panic!("{name}, {}: {error}", backend.kind().name()));
+            }
+        }
+        // By the method that draws the same samples on both.
+        design.quality.method = Method::Single;
+        design.quality.bounces = 1;
+        assert_same_samples(&mut exact, &name.to_string(), &design);
+    }
+}

@@ -1,1 +1,5 @@
-//! Headless device, small scenes and comparators for the suite.
+//! What tests of pictures share: a device without a window, small scenes, rendering to the end, comparators.
+
+pub mod compare;
+pub mod device;
+pub mod scenes;

@@ -147,6 +147,9 @@ impl Yarns {
                     continue;
                 }
                 let hit = match self.form {
+                    SkeletonHeight::Winding if yarn.distance(ray.at(part.low)) <= 0.0 => {
+                        Some(self.cut_end(&ray, part.low))
+                    }
                     SkeletonHeight::Winding => yarn.hit_tube(&ray, part),
                     SkeletonHeight::Paper => yarn.hit_height_field(&ray, part),
                 };
@@ -154,6 +157,18 @@ impl Yarns {
             }
         }
         nearest
+    }
+
+    /// A yarn met where it is cut: at the sheet's border, the only place where a ray can come to be inside one. (A ray
+    /// that starts inside meets the yarn there, too, and goes nowhere.) `ray` is relative to the cell.
+    fn cut_end(&self, ray: &Ray, t: f64) -> SkeletonHit {
+        let point = ray.at(t);
+        let normal = if point.x.abs() * self.pitch.y > point.y.abs() * self.pitch.x {
+            DVec3::X * point.x.signum()
+        } else {
+            DVec3::Y * point.y.signum()
+        };
+        SkeletonHit { t, normal }
     }
 }
 
@@ -212,7 +227,6 @@ impl Yarn {
         let smallest = SMALLEST_STEP * self.radius;
         let mut t = part.low;
         let mut gap = distance(t);
-        // A ray that starts inside meets the yarn where it starts.
         while gap > 0.0 {
             let before = t;
             if before >= part.high {

@@ -187,6 +187,19 @@ fn normals_are_gradients() {
                 continue;
             };
             let point = ray.at(found.t);
+            // Cut ends at the sheet's border face outwards.
+            let [x, y] = scene.sheet.cell_centre(-1, -1).map(f64::abs);
+            let half = [
+                x - 0.5 * scene.sheet.pitch_x_mm,
+                y - 0.5 * scene.sheet.pitch_y_mm,
+            ];
+            let on_border = |axis: usize| (point[axis].abs() - half[axis]).abs() < 1e-9;
+            if let Some(axis) = (0..2).find(|&axis| on_border(axis)) {
+                let outwards = found.normal[axis] * point[axis].signum();
+                if height == SkeletonHeight::Winding && outwards == 1.0 {
+                    continue;
+                }
+            }
             let here = fields(&scene, point);
             let (yarn, _) = here
                 .iter()

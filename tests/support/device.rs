@@ -1,0 +1,59 @@
+//! The device of the tests: the machine's best adapter, hardware or software. Without one the tests fail: a green suite
+//! that has drawn nothing would be worse.
+
+use std::sync::OnceLock;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+use renderer_core::cpu::CpuBackend;
+use renderer_core::gpu::{GpuBackend, GpuContext};
+use renderer_core::image::Picture;
+use renderer_core::render::{Backend, RenderRequest};
+
+/// The one device of all tests.
+pub fn context() -> GpuContext {
+    static CONTEXT: OnceLock<GpuContext> = OnceLock::new();
+    CONTEXT
+        .get_or_init(|| match GpuContext::headless() {
+            Ok(context) => context,
+            Err(error) => panic!(
+                "the GPU tests need an adapter, a software one will do; on Debian and Ubuntu: \
+                 apt-get install mesa-vulkan-drivers ({error})"
+            ),
+        })
+        .clone()
+}
+
+/// A GPU backend that filters voxels as exactly as the processor does, for comparisons to the last digits.
+pub fn exact_gpu() -> GpuBackend {
+    let mut backend = gpu();
+    backend.set_filter_f32(true);
+    backend
+}
+
+/// A GPU backend as users have it.
+pub fn gpu() -> GpuBackend {
+    GpuBackend::new(context()).unwrap()
+}
+
+/// Draws a request to its end.
+pub fn finish(backend: &mut dyn Backend, request: &RenderRequest) -> Picture {
+    finish_in_slices(backend, request, Duration::from_secs(5))
+}
+
+/// The same, a slice of time after the other.
+pub fn finish_in_slices(
+    backend: &mut dyn Backend,
+    request: &RenderRequest,
+    slice: Duration,
+) -> Picture {
+    backend.begin(request).unwrap();
+    let never = AtomicBool::new(false);
+    while !backend.advance(slice, &never).unwrap().done {}
+    backend.picture().unwrap()
+}
+
+/// The picture of the processor.
+pub fn on_cpu(request: &RenderRequest) -> Picture {
+    finish(&mut CpuBackend::default(), request)
+}

@@ -1,0 +1,51 @@
+//! Small scenes that show everything: fat leaning loops on both faces, yarns, gaps, edges of the sheet.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use renderer_core::design::{Back, Design, Method, Pattern};
+use renderer_core::render::{Camera, RenderRequest, Settings};
+use renderer_core::scene::compile;
+
+/// A towel of 12 × 10 crossings in several colours of loop, some left bare, with thin yarns that leave gaps.
+pub fn small_towel() -> Design {
+    let mut design = Design::default();
+    (design.sheet.warps, design.sheet.wefts) = (12, 10);
+    design.weave.pattern =
+        Pattern::try_from(vec![vec![7, 0, 9, 0], vec![0, 8, 1, 7], vec![0, 1, 7, 0]]).unwrap();
+    design.weave.back = Back::Pattern;
+    let pile = &mut design.pile;
+    (pile.resolution, pile.layers, pile.variants) = (16, 5, 2);
+    (pile.top_width, pile.tilt, pile.twist) = (1.6, 90.0, 120.0);
+    let camera = &mut design.view.cameras[0];
+    (camera.distance, camera.elevation) = (26.0, 40.0);
+    design.quality.method = Method::Single;
+    (design.quality.bounces, design.quality.samples) = (1, 1);
+    design
+}
+
+/// A picture of a design by its first camera.
+pub fn request(design: &Design, size: [u32; 2]) -> RenderRequest {
+    RenderRequest {
+        scene: Arc::new(compile(design).unwrap()),
+        camera: Camera::from_design(&design.view.cameras[0]),
+        size,
+        crop: [0, 0, size[0], size[1]],
+        settings: Settings::from(&design.quality),
+    }
+}
+
+/// Every preset that is shipped.
+pub fn preset_paths() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../presets");
+    let mut paths: Vec<_> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| {
+            path.extension()
+                .is_some_and(|extension| extension == "toml")
+        })
+        .collect();
+    paths.sort();
+    paths
+}

@@ -11,11 +11,12 @@ use egui::{Key, Modifiers, Pos2, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use renderer_core::design::{Design, LengthMap, Numbers, Pattern};
+use renderer_core::gpu;
 use renderer_core::image::Picture;
 use renderer_core::render::{Backend, BackendKind, Counters, Progress, RenderError, RenderRequest};
 use towel_designer::backend::BackendChoice;
 use towel_designer::designer::panels::Panels;
-use towel_designer::designer::{App, Setup};
+use towel_designer::designer::{App, Setup, Shot};
 use towel_designer::files;
 
 /// A backend that draws flat gray at once: these tests are about the window, not about the cloth.
@@ -344,6 +345,27 @@ fn looking_at_a_number_does_not_round_it() {
 }
 
 #[test]
+fn what_is_being_typed_is_saved() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("typed.toml");
+    files::save_design(&Design::default(), &path, None).expect("saved");
+    let mut harness = designer(Some(path.clone()));
+    wait(&mut harness, "the preset", |h| {
+        h.state().document().path().is_some()
+    });
+    harness
+        .get_by_role_and_label(Role::SpinButton, "Warps")
+        .click();
+    harness.run_steps(2);
+    harness.event(egui::Event::Text("91".into()));
+    harness.run_steps(1);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    harness.run_steps(4);
+    assert_eq!(files::load_design(&path).expect("a preset").sheet.warps, 91);
+    assert!(!harness.state().document().is_unsaved());
+}
+
+#[test]
 fn every_number_of_every_section_has_a_control() {
     // Tall enough that all panels are seen at once; egui leaves out what a scroll area hides.
     let mut harness = designer_of_size(None, vec2(1280.0, 4200.0));
@@ -622,6 +644,78 @@ fn a_chart_is_opened_and_cleared() {
         h.query_by_label("Chart not opened").is_some()
     });
     assert!(harness.query_by_label_contains("chart.png").is_some());
+}
+
+/// A file as the window system hands it over when it is dropped.
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|error| error.to_string())
+    }
+}
+
+#[test]
+fn a_dropped_image_becomes_the_chart() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let chart = folder.path().join("chart.PNG");
+    write_chart(&chart);
+    let mut harness = designer(None);
+    let dropped = Arc::new(Dropped(chart));
+    harness.input_mut().dropped_files.push(dropped);
+    wait(&mut harness, "the chart", |h| {
+        design(h).chart.pixels.is_some()
+    });
+    let pixels = design(&harness).chart.pixels.clone().expect("pixels");
+    assert_eq!((pixels.width(), pixels.height()), (8, 4));
+}
+
+#[test]
+fn the_gpu_draws_on_the_windows_own_device() {
+    assert!(
+        !gpu::adapters().is_empty(),
+        "no GPU adapter; on Debian and Ubuntu install mesa-vulkan-drivers"
+    );
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("red.toml");
+    let text = "format = 1\n\n[sheet]\nwarps = 12\nwefts = 12\n\n[chart]\ncolour = \"#c04040\"\n\n\
+                [quality]\nmethod = \"single\"\nbounces = 1\nsamples = 2\n";
+    std::fs::write(&path, text).expect("written");
+    let mut harness = Harness::builder()
+        .with_size(vec2(1000.0, 560.0))
+        .wgpu()
+        .build_eframe(|cc| {
+            let setup = Setup {
+                preset: Some(path),
+                choice: BackendChoice::Gpu,
+                make: Arc::new(|_| panic!("a second device")),
+                system_dialogs: false,
+            };
+            App::new(cc, setup)
+        });
+    wait(&mut harness, "the preset", |h| {
+        h.state().document().path().is_some()
+    });
+    harness.run_steps(2);
+    click(&mut harness, "Toolbar: Fit");
+    // The first small picture is enough: software Vulkan takes its time for large ones.
+    wait(&mut harness, "the picture", |h| {
+        let shown = h.state().viewport().shown();
+        assert_eq!(shown.error, None);
+        matches!(shown.image, Some(Shot::Texture(_)))
+    });
+    harness.run_steps(2);
+    let viewport = harness.get_by_label("Viewport").rect();
+    let picture = harness.render().expect("a picture of the window");
+    let red = picture.enumerate_pixels().filter(|(x, y, p)| {
+        viewport.contains(Pos2::new(*x as f32, *y as f32)) && p[0] > 60 && p[1] < p[0] / 2
+    });
+    assert!(red.count() > 2000, "no red cloth in the viewport");
 }
 
 #[test]

@@ -99,6 +99,20 @@ fn variety(picture: &image::RgbImage, [x, y, width, height]: [u32; 4]) -> f64 {
     different as f64 / f64::from(width * height)
 }
 
+/// Processor time that a process has used, all threads, seconds.
+fn cpu_seconds(process: u32) -> f64 {
+    let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).expect("a process");
+    // Fields behind the name, which may hold spaces: utime and stime are the 12th and 13th, in ticks of 10 ms.
+    let fields: Vec<&str> = stat
+        .rsplit(')')
+        .next()
+        .unwrap_or_default()
+        .split_whitespace()
+        .collect();
+    let ticks = |index: usize| fields[index].parse::<f64>().expect("a number");
+    (ticks(11) + ticks(12)) / 100.0
+}
+
 /// A design small and simple enough that the processor shows it at once.
 fn small_preset(folder: &Path) -> PathBuf {
     let path = folder.join("small.toml");
@@ -152,6 +166,13 @@ fn the_program_opens_draws_saves_and_closes() {
             })
             .count();
         (panel > 0.02 && red > 1000).then_some(())
+    });
+
+    // When all samples are there, nothing runs any more.
+    wait("the program's rest", || {
+        let before = cpu_seconds(program.0.id());
+        std::thread::sleep(Duration::from_secs(2));
+        (cpu_seconds(program.0.id()) - before < 0.1).then_some(())
     });
 
     // A cell of the pattern is painted by the keyboard: Tab reaches everything, but a click is nearer.

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use egui::{ComboBox, Context, DragValue, Grid, ProgressBar, Ui, Window};
+use egui::{Align2, ComboBox, Context, DragValue, Grid, ProgressBar, Ui, Window};
 use renderer_core::design::{CameraDesign, Design, Quality};
 use renderer_core::image::{Depth, Display, encode_png};
 use renderer_core::render::{Camera, MAX_SIDE, RenderRequest, Settings};
@@ -145,6 +145,8 @@ impl Export {
             .collapsible(false)
             .resizable(false)
             .default_width(300.0)
+            .pivot(Align2::CENTER_CENTER)
+            .default_pos(ctx.content_rect().center())
             .show(ctx, |ui| match &self.job {
                 None => event = self.settings(ui),
                 Some(job) => job.show(ui),

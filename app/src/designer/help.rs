@@ -1,6 +1,6 @@
 //! Help: keys, gestures, version.
 
-use egui::{Context, Grid, RichText, Ui, Window};
+use egui::{Align2, Context, Grid, RichText, Ui, Window};
 
 use super::command::SHORTCUTS;
 
@@ -31,13 +31,16 @@ pub fn show(ctx: &Context, is_open: &mut bool) {
         .open(is_open)
         .collapsible(false)
         .resizable(false)
+        .pivot(Align2::CENTER_CENTER)
+        .default_pos(ctx.content_rect().center())
         .show(ctx, |ui| {
             ui.label(format!("Towel Designer {}", env!("CARGO_PKG_VERSION")));
             ui.weak("Every yarn loop, live.");
             ui.add_space(8.0);
             Grid::new("keys")
                 .num_columns(2)
-                .spacing([24.0, 4.0])
+                .min_row_height(16.0)
+                .spacing([24.0, 3.0])
                 .show(ui, |ui| {
                     for (_, shortcut, what) in SHORTCUTS {
                         line(ui, &ctx.format_shortcut(shortcut), what);

@@ -383,23 +383,25 @@ impl App {
             return;
         }
         let mut answer = None;
-        let modal = Modal::new(Id::unique("save changes")).show(ctx, |ui| {
-            ui.set_width(340.0);
-            ui.heading("Save changes?");
-            ui.add_space(4.0);
-            ui.label(format!(
-                "{} has changes that are in no file.",
-                self.document.name()
-            ));
-            ui.add_space(8.0);
-            ui.horizontal(|ui| {
-                for choice in [Answer::Save, Answer::Discard, Answer::Cancel] {
-                    if ui.button(choice.name()).clicked() {
-                        answer = Some(choice);
+        let modal = Modal::new(Id::unique("save changes"))
+            .frame(style::dialog(ctx))
+            .show(ctx, |ui| {
+                ui.set_width(340.0);
+                ui.heading("Save changes?");
+                ui.add_space(4.0);
+                ui.label(format!(
+                    "{} has changes that are in no file.",
+                    self.document.name()
+                ));
+                ui.add_space(8.0);
+                ui.horizontal(|ui| {
+                    for choice in [Answer::Save, Answer::Discard, Answer::Cancel] {
+                        if ui.button(choice.name()).clicked() {
+                            answer = Some(choice);
+                        }
                     }
-                }
+                });
             });
-        });
         if modal.should_close() && answer.is_none() {
             answer = Some(Answer::Cancel);
         }
@@ -415,6 +417,21 @@ impl App {
             Answer::Discard => self.replace_document(ctx, command),
             Answer::Cancel => {}
         }
+    }
+
+    /// Whether commands can be carried out. What is being typed counts as soon as its field is left, so that "save"
+    /// saves it: a field that is typed in is left first, and commands wait for the next frame.
+    fn is_typing_finished(&self, ctx: &Context) -> bool {
+        let is_typing = !self.commands.is_empty() && ctx.text_edit_focused();
+        if is_typing {
+            ctx.memory_mut(|memory| {
+                if let Some(field) = memory.focused() {
+                    memory.surrender_focus(field);
+                }
+            });
+            ctx.request_repaint();
+        }
+        !is_typing
     }
 
     fn close_requested(&mut self, ctx: &Context) {
@@ -543,8 +560,10 @@ impl eframe::App for App {
         self.take_dialog(&ctx);
         self.ask_to_save(&ctx);
         help::show(&ctx, &mut self.help_is_open);
-        for command in std::mem::take(&mut self.commands) {
-            self.perform(&ctx, command);
+        if self.is_typing_finished(&ctx) {
+            for command in std::mem::take(&mut self.commands) {
+                self.perform(&ctx, command);
+            }
         }
         let gesture_goes_on = ctx.text_edit_focused()
             || ctx.input(|i| i.pointer.any_down() || !i.keys_down.is_empty());

@@ -22,7 +22,7 @@ use crate::backend::BackendChoice;
 
 /// How long a backend works before the thread looks for news.
 const SLICE: Duration = Duration::from_millis(50);
-/// The same on the window's own device, whose frames must wait for what is under way there.
+/// The same on the window's own GPU, where frames must wait for what is under way.
 const SHORT_SLICE: Duration = Duration::from_millis(12);
 /// Pictures are published at most this often.
 const PUBLISHING: Duration = Duration::from_millis(50);
@@ -402,8 +402,8 @@ impl<'a> Worker<'a> {
             return Ok(());
         };
         let slice = match renderer {
-            Renderer::Apart(_) => SLICE,
-            Renderer::Within(_) => SHORT_SLICE,
+            Renderer::Within(backend) if !backend.context().is_software() => SHORT_SLICE,
+            Renderer::Apart(_) | Renderer::Within(_) => SLICE,
         };
         let start = Instant::now();
         let progress = renderer

@@ -3,8 +3,8 @@
 
 use egui::style::{ScrollStyle, Selection, WidgetVisuals, Widgets};
 use egui::{
-    Color32, Context, CornerRadius, FontFamily, FontId, Margin, Shadow, Stroke, Style, TextStyle,
-    Theme, Visuals, vec2,
+    Color32, Context, CornerRadius, FontFamily, FontId, Frame, Margin, Shadow, Stroke, Style,
+    TextStyle, Theme, Visuals, vec2,
 };
 
 /// Height of a row of a panel, points.
@@ -35,10 +35,12 @@ struct Palette {
     text: Color32,
     weak_text: Color32,
     strong_text: Color32,
-    /// What is chosen or on.
+    /// Ground of what is chosen or on.
+    chosen: Color32,
+    /// Text on it, and the outline of a text field that is typed in.
+    on_chosen: Color32,
+    /// Lines that matter: curves, focus, links.
     accent: Color32,
-    /// Text on the accent.
-    on_accent: Color32,
     warning: Color32,
     error: Color32,
 }
@@ -57,8 +59,9 @@ const DARK: Palette = Palette {
     text: Color32::from_rgb(0xd6, 0xd7, 0xd8),
     weak_text: Color32::from_rgb(0xa2, 0xa4, 0xa7),
     strong_text: Color32::from_rgb(0xf4, 0xf4, 0xf4),
-    accent: Color32::from_rgb(0x3d, 0x7c, 0xa8),
-    on_accent: Color32::WHITE,
+    chosen: Color32::from_rgb(0x35, 0x6d, 0x94),
+    on_chosen: Color32::from_rgb(0xe2, 0xf1, 0xfc),
+    accent: Color32::from_rgb(0x6f, 0xb1, 0xdc),
     warning: Color32::from_rgb(0xe6, 0xb4, 0x5c),
     error: Color32::from_rgb(0xf0, 0x8a, 0x7c),
 };
@@ -77,8 +80,9 @@ const LIGHT: Palette = Palette {
     text: Color32::from_rgb(0x2b, 0x2d, 0x2f),
     weak_text: Color32::from_rgb(0x5e, 0x61, 0x64),
     strong_text: Color32::from_rgb(0x0c, 0x0d, 0x0e),
+    chosen: Color32::from_rgb(0x9f, 0xc8, 0xe6),
+    on_chosen: Color32::from_rgb(0x0c, 0x43, 0x6b),
     accent: Color32::from_rgb(0x2c, 0x6d, 0x9b),
-    on_accent: Color32::WHITE,
     warning: Color32::from_rgb(0x8a, 0x5a, 0x00),
     error: Color32::from_rgb(0xb3, 0x2a, 0x1c),
 };
@@ -89,6 +93,11 @@ pub fn apply(ctx: &Context) {
     ctx.set_style_of(Theme::Light, style(&LIGHT, Visuals::light()));
 }
 
+/// Frame of a dialog that stands before everything else.
+pub fn dialog(ctx: &Context) -> Frame {
+    Frame::window(&ctx.global_style()).inner_margin(Margin::same(14))
+}
+
 /// Ground of the area that shows the picture, where no picture is.
 pub fn viewport_ground(visuals: &Visuals) -> Color32 {
     if visuals.dark_mode {
@@ -96,6 +105,11 @@ pub fn viewport_ground(visuals: &Visuals) -> Color32 {
     } else {
         Color32::from_gray(0xb4)
     }
+}
+
+/// Colour of lines that matter: curves, the outline of what has the keyboard's focus.
+pub fn accent(visuals: &Visuals) -> Color32 {
+    visuals.hyperlink_color
 }
 
 /// Colour of a stitch in the pattern editor, and of its glyph.
@@ -186,8 +200,8 @@ fn visuals(palette: &Palette, base: Visuals) -> Visuals {
             open: widget(over, palette.outline, palette.strong_text),
         },
         selection: Selection {
-            bg_fill: palette.accent,
-            stroke: Stroke::new(1.2, palette.on_accent),
+            bg_fill: palette.chosen,
+            stroke: Stroke::new(1.2, palette.on_chosen),
         },
         hyperlink_color: palette.accent,
         faint_bg_color: palette.raised,

@@ -104,7 +104,10 @@ impl Viewport {
             self.wish_for(design);
         }
         self.paint(ui, &response, rect);
-        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Viewport"));
+        response.widget_info(|| WidgetInfo {
+            current_text_value: Some(progress_text(&self.shown)),
+            ..WidgetInfo::labeled(Role::Image, true, "Viewport")
+        });
         response.on_hover_cursor(CursorIcon::Grab)
     }
 
@@ -185,7 +188,9 @@ impl Viewport {
     }
 
     fn keys(&mut self, ui: &Ui, response: &Response, picture: &Area, design: &Design) {
-        if !response.has_focus() {
+        let modifiers = ui.input(|i| i.modifiers);
+        // With Ctrl, + and − are the size of the interface.
+        if !response.has_focus() || modifiers.command {
             return;
         }
         let keep = EventFilter {
@@ -203,7 +208,6 @@ impl Viewport {
             let factor = ZOOM_PER_KEY.powf(nearer);
             camera_moves::zoom(&mut self.camera, factor, centre, picture.size);
         }
-        let modifiers = ui.input(|i| i.modifiers);
         if modifiers == Modifiers::SHIFT {
             let step = PAN_PER_KEY * f64::from(picture.size[1]) * DVec2::new(right, -up);
             if step != DVec2::ZERO {
@@ -225,7 +229,7 @@ impl Viewport {
             painter.image(texture.id(), rect, whole, Color32::WHITE);
         }
         if response.has_focus() {
-            let stroke = egui::Stroke::new(1.0, ui.visuals().selection.bg_fill);
+            let stroke = egui::Stroke::new(1.0, style::accent(ui.visuals()));
             painter.rect_stroke(rect, 0.0, stroke, egui::StrokeKind::Inside);
         }
         note(&painter, rect, &progress_text(&self.shown));

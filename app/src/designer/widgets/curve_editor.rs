@@ -5,6 +5,8 @@ use egui::{
     WidgetInfo, pos2, vec2,
 };
 
+use crate::designer::style;
+
 /// State of an editor: the point that the keyboard moves.
 #[derive(Debug, Clone, Default)]
 pub struct CurveEditor {
@@ -194,7 +196,7 @@ fn paint(
     let visuals = ui.visuals();
     let painter = ui.painter_at(outer);
     let frame = if response.has_focus() {
-        Stroke::new(1.0, visuals.selection.bg_fill)
+        Stroke::new(1.0, style::accent(visuals))
     } else {
         visuals.widgets.noninteractive.bg_stroke
     };
@@ -225,7 +227,7 @@ fn paint(
         let x = f64::from(k) / 96.0;
         to_screen(rect, [x, value(x).clamp(0.0, 1.0)])
     });
-    let accent = visuals.selection.bg_fill;
+    let accent = style::accent(visuals);
     painter.add(Shape::line(line.collect(), Stroke::new(2.0, accent)));
     for (index, &point) in curve.iter().enumerate() {
         let fill = if index == editor.selected {

@@ -2,7 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Align, Context, Id, Key, Layout, Modal, RichText, ScrollArea, TextEdit, Ui, vec2};
+use crate::designer::style;
+use egui::{
+    Align, Align2, Context, Id, Key, Layout, Modal, RichText, ScrollArea, TextEdit, Ui, vec2,
+};
 
 /// What kind of file is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,15 +64,17 @@ impl FileBrowser {
     /// Shows the dialog; `Some` when the user is done with it.
     pub fn show(&mut self, ctx: &Context) -> Option<Browsed> {
         let mut result = None;
-        let modal = Modal::new(Id::unique("file browser")).show(ctx, |ui| {
-            ui.set_width(520.0);
-            ui.heading(self.kind.title);
-            ui.add_space(4.0);
-            self.folder_row(ui);
-            self.list(ui, &mut result);
-            self.path_row(ui, &mut result);
-            self.buttons(ui, &mut result);
-        });
+        let modal = Modal::new(Id::unique("file browser"))
+            .frame(style::dialog(ctx))
+            .show(ctx, |ui| {
+                ui.set_width(520.0);
+                ui.heading(self.kind.title);
+                ui.add_space(4.0);
+                self.folder_row(ui);
+                self.list(ui, &mut result);
+                self.path_row(ui, &mut result);
+                self.buttons(ui, &mut result);
+            });
         if modal.should_close() && result.is_none() {
             result = Some(Browsed::Cancelled);
         }
@@ -147,6 +152,7 @@ impl FileBrowser {
             let label = ui.label("Path");
             let field = TextEdit::singleline(&mut self.text)
                 .desired_width(ui.available_width())
+                .align(Align2::LEFT_CENTER)
                 .hint_text("name, or a whole path");
             let field = ui.add(field).labelled_by(label.id);
             if field.changed() {

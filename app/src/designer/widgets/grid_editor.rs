@@ -5,6 +5,8 @@ use egui::{
     Role, ScrollArea, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
 
+use crate::designer::style;
+
 /// What the primary pointer button and the space bar do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum GridTool {
@@ -293,7 +295,7 @@ fn paint(
     }
     if response.has_focus() {
         let rect = canvas.rect_of(editor.cursor).shrink(1.0);
-        let stroke = Stroke::new(2.0, ui.visuals().selection.bg_fill);
+        let stroke = Stroke::new(2.0, style::accent(ui.visuals()));
         painter.rect_stroke(rect, 1.0, stroke, StrokeKind::Inside);
     } else if let Some(cell) = response.hover_pos().and_then(|at| canvas.cell(at)) {
         let stroke = Stroke::new(1.0, ui.visuals().strong_text_color());

@@ -1,7 +1,9 @@
 //! A number of a design: slider, typed value and unit, from the field's own table; a double click resets it.
 
 use egui::emath::Numeric;
-use egui::{Button, DragValue, PointerButton, Response, RichText, Sense, Slider, Ui, vec2};
+use egui::{
+    Button, DragValue, PointerButton, Response, RichText, Sense, Slider, SliderClamping, Ui, vec2,
+};
 use renderer_core::design::Field;
 use renderer_core::sampling::hash;
 
@@ -67,10 +69,15 @@ fn number_with_slider<N: Numeric>(ui: &mut Ui, field: &Field, value: &mut N, lab
     } else {
         ui.spacing_mut().slider_width = slider_width;
         let before = *value;
-        let slider = Slider::new(value, N::from_f64(field.min)..=N::from_f64(field.max))
-            .show_value(false)
-            .logarithmic(is_logarithmic(field))
-            .smallest_positive(smallest_positive(field));
+        let slider = Slider::new(
+            value,
+            N::from_f64(field.min)..=N::from_f64(slider_end(field)),
+        )
+        .show_value(false)
+        // A typed value beyond the slider's end stays what it is.
+        .clamping(SliderClamping::Edits)
+        .logarithmic(is_logarithmic(field))
+        .smallest_positive(smallest_positive(field));
         let slider = ui.add(slider).labelled_by(label.id);
         if slider.changed() {
             *value = N::from_f64(rounded(value.to_f64(), field));
@@ -162,7 +169,17 @@ fn rounded(value: f64, field: &Field) -> f64 {
 
 /// Ranges that span decades above the usual value have logarithmic sliders.
 fn is_logarithmic(field: &Field) -> bool {
-    field.min >= 0.0 && field.max > 20.0 * field.default.max(1e-9) && field.max > 8.0
+    field.min >= 0.0 && field.default > 0.0 && field.max > 20.0 * field.default && field.max > 8.0
+}
+
+/// Where the slider ends: at values that are still a towel, so that one pull doesn't ask for a hundred million loops.
+/// What lies beyond can be typed.
+fn slider_end(field: &Field) -> f64 {
+    if is_logarithmic(field) {
+        field.max.min(20.0 * field.default)
+    } else {
+        field.max
+    }
 }
 
 fn smallest_positive(field: &Field) -> f64 {

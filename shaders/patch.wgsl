@@ -90,6 +90,10 @@ fn patch_roots(shape: Patch, origin: vec3<f32>, direction: vec3<f32>) -> Roots {
     return roots;
 }
 
+// Projected areas are positive, since compile makes every loop convex, and above this (mm²), since it drops the
+// degenerate; below, products of slopes would not be finite.
+const SMALLEST_AREA: f32 = 1.0e-9;
+
 // How fast a ray moves through (u, v, w) at a point of the patch.
 struct Slopes {
     u: f32,
@@ -105,8 +109,7 @@ fn patch_slopes(shape: Patch, normal: vec3<f32>, direction: vec3<f32>, u: f32, v
     let along_u = 2.0 * (shape.half_base + v * spread);
     let along_v = shape.axis + (2.0 * u - 1.0) * spread;
     let area_vector = cross(along_u, along_v);
-    // Positive, since every loop is convex when projected along n̂.
-    let inverse = 1.0 / max(dot(area_vector, normal), 1.0e-20);
+    let inverse = 1.0 / max(dot(area_vector, normal), SMALLEST_AREA);
     let du = dot(direction, cross(along_v, normal)) * inverse;
     let dv = dot(direction, cross(normal, along_u)) * inverse;
     let dw = dot(direction, area_vector) * inverse / scene.thickness;
@@ -131,7 +134,7 @@ fn invert_point(shape: Patch, normal: vec3<f32>, point: vec3<f32>) -> vec3<f32> 
     let spread = 2.0 * (shape.half_top - shape.half_base);
     let from_centre = point - shape.middle - 0.5 * c;
     // Dual basis of (b, c) in the plane across n̂.
-    let per_area = 1.0 / max(dot(cross(b, c), normal), 1.0e-20);
+    let per_area = 1.0 / max(dot(cross(b, c), normal), SMALLEST_AREA);
     let b_dual = cross(c, normal) * per_area;
     let c_dual = cross(normal, b) * per_area;
     let p = dot(from_centre, b_dual);

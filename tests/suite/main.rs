@@ -10,6 +10,7 @@ mod cli;
 mod designer;
 mod frames;
 mod geometry;
+mod gpu_backend;
 mod gpu_vs_cpu;
 mod grid;
 mod layout;

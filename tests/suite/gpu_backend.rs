@@ -155,9 +155,12 @@ fn sizes_are_checked() {
     }
 }
 
+/// What changes, and how.
+type Edit = (&'static str, fn(&mut Design));
+
 #[test]
 fn a_changed_scene_is_drawn_as_by_a_new_backend() {
-    let edits: [(&str, fn(&mut Design)); 9] = [
+    let edits: [Edit; 9] = [
         ("looks", |d| d.chart.colour = Colour([90, 30, 200])),
         ("loops", |d| d.turbulence.seed += 1),
         ("length", |d| {

@@ -11,7 +11,7 @@ mod patch;
 pub use basis::orthonormal_basis;
 pub use frame::{LoopFrame, Slopes};
 pub use interval::{Interval, clip_to_box};
-pub use patch::{BilinearPatch, Root, Roots, quadratic_roots};
+pub use patch::{BilinearPatch, PatchLine, Root, Roots, quadratic_roots};
 
 use glam::DVec3;
 

@@ -101,44 +101,70 @@ impl BilinearPatch {
         ]
     }
 
-    /// The patch moved by `offset`.
-    pub fn moved(&self, offset: DVec3) -> Self {
+    /// Crossings of the whole line with the part of the patch with u and v in [0, 1], in order of t.
+    pub fn roots(&self, ray: &Ray) -> Roots {
+        PatchLine::new(self, ray).roots(DVec3::ZERO)
+    }
+}
+
+/// A line and a patch that may be moved: what all crossings of one line with parallel patches share.
+#[derive(Debug, Clone, Copy)]
+pub struct PatchLine<'a> {
+    patch: &'a BilinearPatch,
+    direction: DVec3,
+    /// Where the line is nearest to the patch's middle, and the way from there to the middle: in f32 (the twin in
+    /// shaders/), products with the distance to a far origin would cost all digits.
+    t_near: f64,
+    to_centre: DVec3,
+    /// c × direction and A × direction.
+    c_cross: DVec3,
+    a_cross: DVec3,
+    /// b·(A × direction) and b·(c × direction).
+    quadratic: f64,
+    linear: f64,
+}
+
+impl<'a> PatchLine<'a> {
+    /// The whole line of `ray`, and `patch`.
+    pub fn new(patch: &'a BilinearPatch, ray: &Ray) -> Self {
+        let direction = ray.direction;
+        let t_near = (patch.centre - ray.origin).dot(direction);
+        let c_cross = patch.along_v.cross(direction);
+        let a_cross = patch.twist.cross(direction);
         Self {
-            centre: self.centre + offset,
-            ..*self
+            patch,
+            direction,
+            t_near,
+            to_centre: patch.centre - ray.at(t_near),
+            c_cross,
+            a_cross,
+            quadratic: patch.along_u.dot(a_cross),
+            linear: patch.along_u.dot(c_cross),
         }
     }
 
-    /// Crossings of the whole line with the part of the patch with u and v in [0, 1], in order of t.
-    pub fn roots(&self, ray: &Ray) -> Roots {
-        let direction = ray.direction;
-        // Start next to the patch: products of the distance to a far origin would cost digits.
-        let t_near = (self.centre - ray.origin).dot(direction);
-        let origin = ray.at(t_near);
-        let to_centre = self.centre - origin;
-
-        let c_cross = self.along_v.cross(direction);
-        let a_cross = self.twist.cross(direction);
+    /// Crossings with the part with u and v in [0, 1] of the patch moved by `offset`, in order of t.
+    pub fn roots(&self, offset: DVec3) -> Roots {
+        let to_centre = self.to_centre + offset;
         let candidates = quadratic_roots(
-            self.along_u.dot(a_cross),
-            to_centre.dot(a_cross) + self.along_u.dot(c_cross),
-            to_centre.dot(c_cross),
+            self.quadratic,
+            to_centre.dot(self.a_cross) + self.linear,
+            to_centre.dot(self.c_cross),
         );
-
         let mut roots = Roots::default();
         for u in candidates.into_iter().flatten() {
             if !(-0.5..=0.5).contains(&u) {
                 continue;
             }
-            // origin + t·direction = base + v·ruling, the ruling line of this u.
-            let base = to_centre + self.along_u * u;
-            let ruling = self.along_v + self.twist * u;
-            let ruling_cross = c_cross + a_cross * u;
-            let v = -base.cross(direction).dot(ruling_cross) / ruling_cross.length_squared();
+            // start + t·direction = base + v·ruling, the ruling line of this u.
+            let base = to_centre + self.patch.along_u * u;
+            let ruling = self.patch.along_v + self.patch.twist * u;
+            let ruling_cross = self.c_cross + self.a_cross * u;
+            let v = -base.cross(self.direction).dot(ruling_cross) / ruling_cross.length_squared();
             // Also false for NaN, of a ray along the ruling line.
             if (-0.5..=0.5).contains(&v) {
                 roots.push(Root {
-                    t: t_near + (base + ruling * v).dot(direction),
+                    t: self.t_near + (base + ruling * v).dot(self.direction),
                     u: u + 0.5,
                     v: v + 0.5,
                 });

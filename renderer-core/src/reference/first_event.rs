@@ -94,7 +94,6 @@ impl Tracer {
         let layers = self.scene.volumes.layers;
         for place in self.loops_in(span.cell).within(span.heights(ray)) {
             let ray = ray.relative_to(self.cell_origin(place.cell));
-            let volume = self.volume(place);
             let mut event = |t: f64, depth: f64, what: EventKind, counters: &mut Counters| {
                 if depth > 0.0 {
                     counters.contributing_hits += 1;
@@ -108,7 +107,7 @@ impl Tracer {
             if self.settings.method == Method::Layered {
                 self.for_each_layer(&ray, place, counters, |crossing, counters| {
                     if span.holds(crossing.t()) {
-                        let depth = crossing.optical_depth(&volume, counters);
+                        let depth = crossing.optical_depth(&self.volume(place), counters);
                         let what = EventKind::Layer(place, crossing);
                         event(crossing.t(), depth, what, counters);
                     }
@@ -116,7 +115,7 @@ impl Tracer {
             } else {
                 self.for_each_crossing(&ray, place, counters, |crossing, counters| {
                     if span.holds(crossing.t()) {
-                        let depth = crossing.optical_depth(&volume, layers, counters);
+                        let depth = crossing.optical_depth(&self.volume(place), layers, counters);
                         let what = EventKind::Loop(place, crossing);
                         event(crossing.t(), depth, what, counters);
                     }

@@ -6,7 +6,7 @@
 
 use super::volume::LoopVolume;
 use super::{LoopPlace, Tracer};
-use crate::geometry::{Interval, Ray, Root};
+use crate::geometry::{Interval, PatchLine, Ray, Root};
 use crate::render::Counters;
 
 /// Smallest |w′|, 1/mm; see `single`.
@@ -57,11 +57,12 @@ impl Tracer {
         let frame = self.frame(place);
         let count = f64::from(self.scene.volumes.layers);
         let unit = Interval::new(0.0, 1.0);
+        let line = PatchLine::new(&frame.patch, ray);
         for layer in 0..self.scene.volumes.layers {
             let w = (f64::from(layer) + 0.5) / count - 0.5;
-            let patch = frame.patch.moved(frame.normal * (w * frame.thickness));
+            let offset = frame.normal * (w * frame.thickness);
             counters.patch_tests += 1;
-            for &root in patch.roots(ray).as_slice() {
+            for &root in line.roots(offset).as_slice() {
                 let slopes = frame.slopes(root.u, root.v, ray.direction);
                 let reach = 0.5 / (count * slopes.w.abs().max(FLATTEST));
                 let interval = Interval::new((-reach).max(-root.t), reach)

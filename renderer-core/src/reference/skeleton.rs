@@ -5,10 +5,10 @@
 //!
 //! - `winding`: the round tube (x − x_i)² + (z − H·s)² = R², whose upper half is the paper's displacement H·s + A with
 //!   A = √(R² − (x − x_i)²), and whose lower half is what the back shows. It is met from outside by steps that the
-//!   distance to the tube allows, divided by the Lipschitz bound √(1 + max(H·s′)²) of that distance.
+//!   distance to the tube allows, divided by the fastest that distance can change along the ray.
 //! - `paper`: the thin height field z = A·s of equations 1 and 2, by fixed steps over the yarn's strip.
 //!
-//! Either crossing is then refined by bisection. Yarns end at the sheet's border and have no walls beside their strip.
+//! Either crossing is then refined between its two sides. Yarns end at the sheet's border and have no walls beside their strip.
 //! Yarns wider than their pitch reach into their neighbours' cells; all that do are tested.
 
 use std::f64::consts::PI;
@@ -26,6 +26,8 @@ const PRECISION_MM: f64 = 1e-9;
 const PAPER_STEPS: u32 = 16;
 /// Smallest step towards a tube, in its radii: a chord shorter than this may be missed.
 const SMALLEST_STEP: f64 = 1.0 / 64.0;
+/// Bounds of a tube are this much too wide: where they only just touch it, rounding would put their edge inside.
+const ROOMY: f64 = 1.001;
 
 /// Where a ray meets the skeleton.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -142,7 +144,12 @@ impl Yarns {
                 }
                 let yarn = self.yarn(set, span.cell, offset);
                 let end = nearest.map_or(span.leave, |hit| hit.t);
-                let part = yarn.clip(&ray, Interval::new(span.enter, end), self.height_of(set));
+                let room = match self.form {
+                    SkeletonHeight::Winding => ROOMY,
+                    SkeletonHeight::Paper => 1.0,
+                };
+                let part = Interval::new(span.enter, end);
+                let part = yarn.clip(&ray, part, self.height_of(set), room);
                 if part.is_empty() {
                     continue;
                 }
@@ -173,9 +180,11 @@ impl Yarns {
 }
 
 impl Yarn {
-    /// The part of `interval` in which the ray is over or under the yarn's strip, within `height` of the sheet.
-    fn clip(&self, ray: &Ray, interval: Interval, height: f64) -> Interval {
-        let strip = Interval::new(self.centre - self.radius, self.centre + self.radius);
+    /// The part of `interval` in which the ray is over or under the yarn's strip, within `height` of the sheet, both
+    /// taken `room` times as wide.
+    fn clip(&self, ray: &Ray, interval: Interval, height: f64, room: f64) -> Interval {
+        let (radius, height) = (self.radius * room, height * room);
+        let strip = Interval::new(self.centre - radius, self.centre + radius);
         interval
             .clip_linear(ray.origin[self.across], ray.direction[self.across], strip)
             .clip_linear(
@@ -187,11 +196,16 @@ impl Yarn {
 
     /// A point's place across from the centre line, along from the cell's centre, and its height.
     fn place(&self, point: DVec3) -> (f64, f64, f64) {
-        (
-            point[self.across] - self.centre,
-            point[1 - self.across],
-            point.z,
-        )
+        let (across, along, z) = self.axes(point);
+        (across - self.centre, along, z)
+    }
+
+    /// A vector's components across the yarn, along it, and up.
+    fn axes(&self, v: DVec3) -> (f64, f64, f64) {
+        match self.across {
+            0 => (v.x, v.y, v.z),
+            _ => (v.y, v.x, v.z),
+        }
     }
 
     /// s and ds/d`along`.
@@ -213,7 +227,8 @@ impl Yarn {
     /// Signed distance from the tube measured in the plane across the yarn; negative inside.
     fn distance(&self, point: DVec3) -> f64 {
         let (across, along, z) = self.place(point);
-        across.hypot(z - self.crimp * self.wave(along).0) - self.radius
+        let above = z - self.crimp * self.wave(along).0;
+        (across * across + above * above).sqrt() - self.radius
     }
 
     fn hit_tube(&self, ray: &Ray, part: Interval) -> Option<SkeletonHit> {
@@ -223,7 +238,10 @@ impl Yarn {
         } else {
             self.crimp * PI / self.pitch
         };
-        let shrink = 1.0 / steepest.hypot(1.0);
+        // The distance's gradient is (x, above − H·s′)/√(x² + above²): along the ray it grows at most this fast.
+        let (across, along, up) = self.axes(ray.direction);
+        let fastest = across.hypot(up.abs() + steepest * along.abs());
+        let shrink = 1.0 / fastest;
         let smallest = SMALLEST_STEP * self.radius;
         let mut t = part.low;
         let mut gap = distance(t);
@@ -235,7 +253,7 @@ impl Yarn {
             t = (t + (gap * shrink).max(smallest)).min(part.high);
             gap = distance(t);
             if gap <= 0.0 {
-                t = bisect(before, t, |t| distance(t) > 0.0);
+                t = crossing(before, t, distance);
                 break;
             }
         }
@@ -252,13 +270,14 @@ impl Yarn {
     }
 
     fn hit_height_field(&self, ray: &Ray, part: Interval) -> Option<SkeletonHit> {
-        let above = |t: f64| self.over_height_field(ray.at(t)) > 0.0;
+        let above = |t: f64| self.over_height_field(ray.at(t));
         let step = part.length() / f64::from(PAPER_STEPS);
-        let starts_above = above(part.low);
+        let starts_above = above(part.low) > 0.0;
         let crossed = (1..=PAPER_STEPS)
             .map(|k| part.low + f64::from(k) * step)
-            .find(|&t| above(t) != starts_above)?;
-        let t = bisect(crossed - step, crossed, |t| above(t) == starts_above);
+            .find(|&t| (above(t) > 0.0) != starts_above)?;
+        let side = if starts_above { 1.0 } else { -1.0 };
+        let t = crossing(crossed - step, crossed, |t| side * above(t));
         let (across, along, _) = self.place(ray.at(t));
         let (s, slope) = self.wave(along);
         let squared = (self.radius.powi(2) - across.powi(2)).max(0.0);
@@ -283,17 +302,38 @@ impl Yarn {
     }
 }
 
-/// The place between `low` and `high` where `is_before` turns from true to false; the side where it is true.
-fn bisect(mut low: f64, mut high: f64, is_before: impl Fn(f64) -> bool) -> f64 {
-    while high - low > PRECISION_MM {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
+/// The place between `low` and `high` where `f` falls through zero, on the side where it is positive.
+///
+/// False position in the Illinois variant: an end that stays twice counts half, so that both ends close in. Smooth crossings
+/// take five evaluations; what has not closed after fifty is halved to the end.
+fn crossing(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let (mut at_low, mut at_high) = (f(low), f(high));
+    let mut last_moved_low = None;
+    for round in 0..100 {
+        if high - low <= PRECISION_MM {
             break;
         }
-        if is_before(middle) {
-            low = middle;
+        let guess = low + at_low / (at_low - at_high) * (high - low);
+        // A guess on an end, where f is zero or nearly, would move nothing.
+        let t = if round < 50 && low < guess && guess < high {
+            guess
         } else {
-            high = middle;
+            0.5 * (low + high)
+        };
+        let value = f(t);
+        if value > 0.0 {
+            if value < PRECISION_MM {
+                return t;
+            }
+            if last_moved_low == Some(true) {
+                at_high *= 0.5;
+            }
+            (low, at_low, last_moved_low) = (t, value, Some(true));
+        } else {
+            if last_moved_low == Some(false) {
+                at_low *= 0.5;
+            }
+            (high, at_high, last_moved_low) = (t, value, Some(false));
         }
     }
     low

@@ -39,18 +39,17 @@ impl Pair {
     fn linear(place: f64, count: u32) -> Self {
         let last = f64::from(count - 1);
         let x = (place * f64::from(count) - 0.5).clamp(0.0, last);
-        let near = x.floor();
+        let near = x as usize;
         Self {
-            near: near as usize,
-            far: (near + 1.0).min(last) as usize,
-            share: x - near,
+            near,
+            far: (near + 1).min(count as usize - 1),
+            share: x - near as f64,
         }
     }
 
     fn nearest(place: f64, count: u32) -> Self {
-        let index = (place * f64::from(count))
-            .floor()
-            .clamp(0.0, f64::from(count - 1)) as usize;
+        // A negative place becomes 0.
+        let index = ((place * f64::from(count)) as usize).min(count as usize - 1);
         Self {
             near: index,
             far: index,
@@ -58,8 +57,12 @@ impl Pair {
         }
     }
 
-    fn terms(self) -> [(usize, f64); 2] {
-        [(self.near, 1.0 - self.share), (self.far, self.share)]
+    /// The near texel (0) or the far one (1), with its weight.
+    fn term(self, which: usize) -> (usize, f64) {
+        match which {
+            0 => (self.near, 1.0 - self.share),
+            _ => (self.far, self.share),
+        }
     }
 }
 
@@ -78,8 +81,8 @@ impl<'a> LoopVolume<'a> {
         }
     }
 
-    /// Adds up `read(voxel index)` over the voxels around (u, v, w) with their weights, through `add(value, weight)`.
-    fn interpolate(&self, [u, v, w]: [f64; 3], mut add: impl FnMut(usize, f64)) {
+    /// The voxels around (u, v, w) with their weights.
+    fn around(&self, [u, v, w]: [f64; 3]) -> [(usize, f64); 8] {
         let resolution = self.volumes.resolution;
         let across = match self.volumes.interpolation {
             Interpolation::Linear => Pair::linear(w + 0.5, self.volumes.layers),
@@ -87,30 +90,27 @@ impl<'a> LoopVolume<'a> {
         };
         let (along_u, along_v) = (Pair::linear(u, resolution), Pair::linear(v, resolution));
         let side = resolution as usize;
-        for (layer, layer_weight) in across.terms() {
-            if layer_weight == 0.0 {
-                continue;
-            }
-            for (row, row_weight) in along_v.terms() {
-                let row_start = self.first + (layer * side + row) * side;
-                for (column, column_weight) in along_u.terms() {
-                    add(
-                        row_start + column,
-                        layer_weight * row_weight * column_weight,
-                    );
-                }
-            }
+        let mut voxels = [(0, 0.0); 8];
+        for (corner, voxel) in voxels.iter_mut().enumerate() {
+            let (layer, layer_weight) = across.term(corner >> 2);
+            let (row, row_weight) = along_v.term(corner >> 1 & 1);
+            let (column, column_weight) = along_u.term(corner & 1);
+            *voxel = (
+                self.first + (layer * side + row) * side + column,
+                layer_weight * row_weight * column_weight,
+            );
         }
+        voxels
     }
 
     /// ρ and shade at (u, v, w).
     pub fn at(&self, place: [f64; 3]) -> VolumePoint {
         let (mut rho, mut rho_shade) = (0.0, 0.0);
-        self.interpolate(place, |voxel, weight| {
+        for (voxel, weight) in self.around(place) {
             let [density, shaded] = self.volumes.voxels[voxel];
             rho += weight * f64::from(density);
             rho_shade += weight * f64::from(shaded);
-        });
+        }
         VolumePoint {
             rho: rho / 255.0 * fade(place[1], f64::from(self.volumes.root_blend)),
             shade: if rho > 0.0 { rho_shade / rho } else { 1.0 },
@@ -120,11 +120,11 @@ impl<'a> LoopVolume<'a> {
     /// The fibre's direction at (u, v, w) in the coordinates (u, v, w), not normalised: the main axis of the mean ttᵀ.
     pub fn tangent(&self, place: [f64; 3]) -> DVec3 {
         let mut sums = [0.0; 6];
-        self.interpolate(place, |voxel, weight| {
+        for (voxel, weight) in self.around(place) {
             for (sum, value) in sums.iter_mut().zip(self.volumes.tangents[voxel]) {
                 *sum += weight * f64::from(value);
             }
-        });
+        }
         let [xx, yy, zz, xy, xz, yz] = sums;
         let tensor = DMat3::from_cols(
             DVec3::new(xx, xy, xz),

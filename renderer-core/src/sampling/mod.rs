@@ -80,28 +80,35 @@ pub fn owen_scramble(x: u32, seed: u32) -> u32 {
     x.reverse_bits()
 }
 
-/// The first four Sobol dimensions of point `index`. Direction numbers (Joe and Kuo) are made on the way from the
+/// Direction numbers of the first four Sobol dimensions, a row for each bit of the index (Joe and Kuo), made from the
 /// primitive polynomials 1, x+1, x²+x+1, x³+x+1 with initial numbers (–), (1), (1, 3), (1, 3, 1).
-pub fn sobol(index: u32) -> [u32; 4] {
+const DIRECTIONS: [[u32; 4]; 32] = {
     const TOP: u32 = 1 << 31;
-    let mut point = [0; 4];
+    let mut rows = [[0; 4]; 32];
     let mut v0 = TOP;
     let mut v1 = TOP;
     let (mut v2, mut v2_next) = (TOP, 3 << 30);
     let (mut v3, mut v3_next, mut v3_after): (u32, u32, u32) = (TOP, 3 << 30, 1 << 29);
-    let mut rest = index;
-    while rest != 0 {
-        if rest & 1 == 1 {
-            point[0] ^= v0;
-            point[1] ^= v1;
-            point[2] ^= v2;
-            point[3] ^= v3;
-        }
+    let mut bit = 0;
+    while bit < 32 {
+        rows[bit] = [v0, v1, v2, v3];
         v0 >>= 1;
         v1 ^= v1 >> 1;
         (v2, v2_next) = (v2_next, v2_next ^ v2 ^ (v2 >> 2));
         (v3, v3_next, v3_after) = (v3_next, v3_after, v3_next ^ v3 ^ (v3 >> 3));
-        rest >>= 1;
+        bit += 1;
+    }
+    rows
+};
+
+/// The first four Sobol dimensions of point `index`.
+pub fn sobol(index: u32) -> [u32; 4] {
+    let mut point = [0; 4];
+    for (bit, row) in DIRECTIONS.iter().enumerate() {
+        let mask = 0_u32.wrapping_sub(index >> bit & 1);
+        for (x, direction) in point.iter_mut().zip(row) {
+            *x ^= direction & mask;
+        }
     }
     point
 }

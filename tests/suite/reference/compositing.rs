@@ -101,7 +101,9 @@ fn layered_events(scene: &Scene, brute: &BruteLoop, ray: &Ray, events: &mut Vec<
     for layer in 0..scene.volumes.layers {
         let w = (f64::from(layer) + 0.5) / n - 0.5;
         let offset = brute.frame.normal * (w * brute.frame.thickness);
-        for root in brute.frame.patch.moved(offset).roots(&ray).as_slice() {
+        let mut patch = brute.frame.patch;
+        patch.centre += offset;
+        for root in patch.roots(&ray).as_slice() {
             let slope = slopes(brute, root.u, root.v, ray.direction);
             let reach = 0.5 / (n * slope.z.abs());
             let across = between(root.u, slope.x, 0.0, 1.0);

@@ -442,26 +442,43 @@ fn each_length_map_has_its_controls() {
     );
 
     choose(&mut harness, "Map", LengthMap::Lut.label());
-    assert!(
-        !design(&harness).faults().is_empty(),
-        "a table without rows is a fault"
-    );
-    assert_eq!(
-        wished(&harness).length.map,
-        LengthMap::Gray,
-        "a design with a fault is not rendered"
-    );
-    assert!(
-        harness
-            .query_all_by_label_contains("length.table is empty")
-            .count()
-            >= 2
-    );
-    click(&mut harness, "Add row");
     assert_eq!(design(&harness).length.table.len(), 1);
     assert_eq!(wished(&harness).length.map, LengthMap::Lut);
+    click(&mut harness, "Add row");
+    assert_eq!(design(&harness).length.table.len(), 2);
     click(&mut harness, "Remove row 1");
-    assert!(design(&harness).length.table.is_empty());
+    assert_eq!(design(&harness).length.table.len(), 1);
+}
+
+#[test]
+fn a_fault_is_shown_at_its_panel_and_neither_drawn_nor_saved() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("good.toml");
+    files::save_design(&Design::default(), &path, None).expect("saved");
+    let mut harness = designer_of_size(Some(path.clone()), vec2(1280.0, 1600.0));
+    wait(&mut harness, "the preset", |h| {
+        h.state().document().path().is_some()
+    });
+    open_panel(&mut harness, "Loop length");
+    choose(&mut harness, "Map", LengthMap::Gray.label());
+    type_number(&mut harness, "Min", "9");
+    assert_eq!(design(&harness).length.min, 9.0);
+    assert_eq!(wished(&harness).length.min, Design::default().length.min);
+    // At the panel and over the picture.
+    let told = harness.query_all_by_label_contains("length.min is 9, allowed is at most");
+    assert_eq!(told.count(), 2);
+
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    harness.run_steps(3);
+    assert!(harness.query_by_label("Not saved").is_some());
+    assert!(harness.state().document().is_unsaved());
+    assert_eq!(
+        files::load_design(&path).expect("the old file").length.min,
+        1.5
+    );
+
+    type_number(&mut harness, "Max", "9.5");
+    assert_eq!(wished(&harness).length.min, 9.0, "mended, it is drawn");
 }
 
 /// Chooses from the menu of that name.

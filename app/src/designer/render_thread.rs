@@ -27,11 +27,13 @@ const SHORT_SLICE: Duration = Duration::from_millis(12);
 /// Pictures are published at most this often.
 const PUBLISHING: Duration = Duration::from_millis(50);
 /// A first picture that takes longer than this is drawn smaller.
-const FIRST_PICTURE: f64 = 0.06;
+const FIRST_PICTURE: f64 = 0.1;
 /// Samples of a small picture.
 const REDUCED_SAMPLES: u32 = 4;
-/// Pictures of fewer samples are shown with 2 × 2 pixels averaged.
+/// Pictures of fewer samples are shown with 2 × 2 pixels averaged,
 const SHARP_FROM: u32 = 4;
+/// unless they are smaller than this: there is no sharpness to give away.
+const SOFT_UP_TO: u32 = 2;
 /// Smallest first picture: this fraction of the full width and height.
 const MOST_REDUCED: u32 = 16;
 
@@ -452,7 +454,7 @@ impl<'a> Worker<'a> {
             return Ok(());
         };
         let start = Instant::now();
-        let soft = progress.samples < SHARP_FROM;
+        let soft = progress.samples < SHARP_FROM && job.divisor <= SOFT_UP_TO;
         let shot = self.developer.shoot(renderer, wish.display, soft);
         let image = shot.map_err(|error| error.to_string())?;
         let bytes = renderer.backend().device_bytes();

@@ -27,12 +27,16 @@ const COMMONEST: usize = 8;
 pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design) {
     let fields = Length::FIELDS;
     let length = &mut design.length;
+    let map_before = length.map;
     choice(
         ui,
         "Map",
         "How a texel of the chart becomes a loop length.",
         &mut length.map,
     );
+    if length.map == LengthMap::Lut && map_before != length.map && length.table.is_empty() {
+        start_table(length, design.chart.pixels.as_ref());
+    }
     match length.map {
         LengthMap::Constant => number(ui, &fields.value, &mut length.value),
         LengthMap::Gray => {
@@ -171,6 +175,17 @@ fn own_kind(ui: &mut Ui, kind: &mut Option<PileKind>) {
             });
         combo.response.labelled_by(label.id).on_hover_text(what);
     });
+}
+
+/// Rows to begin with: a table without any is a fault.
+fn start_table(length: &mut Length, chart: Option<&ChartImage>) {
+    match chart {
+        Some(chart) => take_colours(length, chart),
+        None => length.table.push(LengthEntry {
+            length: length.value,
+            ..LengthEntry::default()
+        }),
+    }
 }
 
 /// Makes the table the chart's commonest colours, keeping rows it already has for them.

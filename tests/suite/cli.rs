@@ -25,6 +25,8 @@ image = 'chart.png'
 variants = 2
 layers = 3
 resolution = 8
+base_width = 2.4
+top_width = 2.4
 [view]
 cameras = [{ name = 'above', distance = 25 }, { name = 'side', distance = 25, elevation = 20 }]
 [quality]

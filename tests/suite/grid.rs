@@ -156,6 +156,7 @@ fn upright() -> Design {
         length_jitter: 0.0,
         ..Pile::default()
     });
+    design.length.value = 3.0;
     design.sheet.warps_per_cm = 10.0;
     design.sheet.wefts_per_cm = 10.0;
     design.weave.back = Back::None;

@@ -403,6 +403,31 @@ fn points_outside_are_not_inverted() {
 }
 
 #[test]
+fn a_clipped_span_holds_every_point_inside() {
+    let mut random = Random::new(10);
+    let (mut inside, mut short) = (0, 0);
+    for _ in 0..4_000 {
+        let frame = random.frame();
+        let ray = towards(random.vector(3.0), frame.patch.centre + random.vector(0.6));
+        let whole = Interval::new(0.0, 8.0);
+        let span = frame.clip(&ray, whole);
+        short += usize::from(span.length() < 0.5 * whole.length());
+        for step in 0..400 {
+            let t = f64::from(step) * 0.02;
+            if frame.invert(ray.at(t)).is_some() {
+                // Rounding of the span's ends.
+                assert!(
+                    span.low - 1e-12 <= t && t <= span.high + 1e-12,
+                    "{t} not in {span:?}"
+                );
+                inside += 1;
+            }
+        }
+    }
+    assert!(inside > 20_000 && short > 3_000, "{inside} {short}");
+}
+
+#[test]
 fn slopes_are_the_derivatives_of_the_inverse() {
     let mut random = Random::new(7);
     for _ in 0..5_000 {

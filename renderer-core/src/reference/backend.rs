@@ -54,8 +54,13 @@ impl Backend for ReferenceBackend {
         {
             return Ok(());
         }
-        self.work = None;
-        self.work = Some((Tracer::new(request), Progressive::new(request)?));
+        let last = self.work.take();
+        let progressive = Progressive::new(request)?;
+        let tracer = match last {
+            Some((tracer, _)) => tracer.again(request),
+            None => Tracer::new(request),
+        };
+        self.work = Some((tracer, progressive));
         Ok(())
     }
 

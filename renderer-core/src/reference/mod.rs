@@ -9,7 +9,8 @@
 //!   walk (`walk`) over loops of both faces;
 //! - step 6, the sum of all these: `path`.
 //!
-//! Nothing is cached and nothing skipped beyond the ranges of height that the cells carry, so that it stays plain.
+//! Frames of loops are made once, and nothing is skipped beyond the ranges of height that the cells carry and, for `tracked`,
+//! the part of a ray that can be in a loop, so that it stays plain.
 
 mod backend;
 mod first_event;
@@ -48,7 +49,7 @@ pub struct Tracer {
     settings: Settings,
     grid: Grid,
     /// The frame of each loop: every ray needs some, and most are needed by many.
-    frames: Vec<LoopFrame>,
+    frames: Arc<Vec<LoopFrame>>,
     yarns: Option<Yarns>,
     optics: Optics,
     /// Extinction of the densest material, 1/mm.
@@ -74,6 +75,20 @@ impl AsMut<Counters> for Scratch {
 impl Tracer {
     /// Prepares for `request`.
     pub fn new(request: &RenderRequest) -> Self {
+        let frames = Arc::new(frames(&request.scene.loops));
+        Self::with_frames(request, frames)
+    }
+
+    /// Prepares for another request; the frames are kept if the loops are the same.
+    pub fn again(&self, request: &RenderRequest) -> Self {
+        if request.scene.loops == self.scene.loops {
+            Self::with_frames(request, Arc::clone(&self.frames))
+        } else {
+            Self::new(request)
+        }
+    }
+
+    fn with_frames(request: &RenderRequest, frames: Arc<Vec<LoopFrame>>) -> Self {
         let scene = Arc::clone(&request.scene);
         let yarns = scene
             .skeleton
@@ -86,7 +101,7 @@ impl Tracer {
             size: request.size,
             settings: request.settings,
             grid: Grid::new(&scene.sheet, &scene.loops, yarns.as_ref()),
-            frames: frames(&scene.loops),
+            frames,
             optics: Optics::new(&scene.pile),
             densest_per_mm: densest,
             yarns,

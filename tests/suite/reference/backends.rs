@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use glam::DVec3;
 use renderer_core::cpu::CpuBackend;
-use renderer_core::design::{CameraDesign, Design, Method};
+use renderer_core::design::{CameraDesign, Design, Interpolation, Method};
 use renderer_core::image::Picture;
 use renderer_core::reference::ReferenceBackend;
 use renderer_core::render::accumulation::{Accumulation, Pass, Sample};
@@ -14,6 +14,8 @@ use renderer_core::render::{
     Backend, BackendKind, Camera, Progress, RenderError, RenderRequest, Settings,
 };
 use renderer_core::scene::compile;
+
+use super::cloth::wild_towel;
 
 const FOREVER: Duration = Duration::from_secs(3600);
 
@@ -90,6 +92,13 @@ fn same_bytes_whatever_slices_and_threads() {
             other.settings.seed += 1;
             assert!(render(&mut cpu, &other, FOREVER) != expected);
         }
+        // Another cloth in between.
+        let mut other = request.clone();
+        other.scene = Arc::new(wild_towel(Interpolation::Linear));
+        let picture = render(&mut cpu, &other, FOREVER);
+        assert!(picture == render(&mut CpuBackend::default(), &other, FOREVER));
+        assert!(picture != expected);
+        assert!(render(&mut cpu, &request, FOREVER) == expected);
         // Another number of threads than the machine's.
         let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build();
         let threads = pool.expect("three threads");

@@ -26,6 +26,8 @@ pub struct Accumulation {
     pub size: [u32; 2],
     /// Tiles along x and y.
     pub tiles: [u32; 2],
+    /// Bytes of a tile's sums.
+    tile_bytes: u64,
     /// Sums, in the order of tiles.
     pub sums: Vec<SumBuffer>,
     /// Ray bases of all tiles.
@@ -35,14 +37,18 @@ pub struct Accumulation {
 }
 
 impl Accumulation {
-    /// Makes room for the picture of `request`, all zeros.
+    /// Makes room for the picture of `request`, all zeros; in the buffers of `old` where they fit, so that a moving camera
+    /// does not allocate.
     ///
     /// # Errors
     /// When there is no room.
-    pub fn new(context: &GpuContext, request: &RenderRequest) -> Result<Self, RenderError> {
+    pub fn new(
+        context: &GpuContext,
+        request: &RenderRequest,
+        old: Option<Self>,
+    ) -> Result<Self, RenderError> {
         let [_, _, width, height] = request.crop;
         let tiles = [width.div_ceil(TILE), height.div_ceil(TILE)];
-        let count = tiles[0] * tiles[1];
         let rays = ray_tiles(request, tiles);
         let ray_bytes: &[u8] = bytemuck::cast_slice(&rays);
         let limit = context.largest_binding();
@@ -57,46 +63,58 @@ impl Accumulation {
             SUMS
         };
         let tile_bytes = u64::from(TILE_PIXELS * per_pixel) * 16;
-        let tiles_in_buffer = (limit / tile_bytes).clamp(1, u64::from(count)) as u32;
-        context.guarded(|| {
-            let buffer = |label, size, usage| {
-                context.device.create_buffer(&wgpu::BufferDescriptor {
-                    label: Some(label),
-                    size,
-                    usage,
-                    mapped_at_creation: false,
-                })
-            };
-            let storage = wgpu::BufferUsages::STORAGE;
-            let sums = (0..count)
-                .step_by(tiles_in_buffer as usize)
-                .map(|first| {
-                    let tiles = first..(first + tiles_in_buffer).min(count);
-                    // New buffers are zero.
-                    SumBuffer {
-                        buffer: buffer("sums", tiles.len() as u64 * tile_bytes, storage),
-                        tiles,
-                    }
-                })
-                .collect();
-            let rays = buffer(
-                "ray tiles",
-                ray_bytes.len() as u64,
-                storage | wgpu::BufferUsages::COPY_DST,
-            );
-            context.queue.write_buffer(&rays, 0, ray_bytes);
-            Self {
+        let made = match old.filter(|old| old.tiles == tiles && old.tile_bytes == tile_bytes) {
+            Some(old) => Self {
                 size: [width, height],
-                tiles,
-                sums,
-                rays,
-                totals: buffer(
-                    "counters",
-                    u64::from(COUNTERS_IN_ALL) * 8,
-                    storage | wgpu::BufferUsages::COPY_SRC,
-                ),
+                ..old
+            },
+            None => context.guarded(|| Self::allocate(context, [width, height], tile_bytes))?,
+        };
+        context.guarded(|| {
+            let mut encoder = context.encoder();
+            for sums in &made.sums {
+                encoder.clear_buffer(&sums.buffer, 0, None);
             }
+            encoder.clear_buffer(&made.totals, 0, None);
+            context.queue.write_buffer(&made.rays, 0, ray_bytes);
+            context.queue.submit([encoder.finish()]);
+            made
         })
+    }
+
+    fn allocate(context: &GpuContext, size: [u32; 2], tile_bytes: u64) -> Self {
+        let tiles = size.map(|side| side.div_ceil(TILE));
+        let count = tiles[0] * tiles[1];
+        let tiles_in_buffer =
+            (context.largest_binding() / tile_bytes).clamp(1, u64::from(count)) as u32;
+        let buffer = |label, size| {
+            context.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size,
+                usage: wgpu::BufferUsages::STORAGE
+                    | wgpu::BufferUsages::COPY_DST
+                    | wgpu::BufferUsages::COPY_SRC,
+                mapped_at_creation: false,
+            })
+        };
+        let sums = (0..count)
+            .step_by(tiles_in_buffer as usize)
+            .map(|first| {
+                let tiles = first..(first + tiles_in_buffer).min(count);
+                SumBuffer {
+                    buffer: buffer("sums", tiles.len() as u64 * tile_bytes),
+                    tiles,
+                }
+            })
+            .collect();
+        Self {
+            size,
+            tiles,
+            tile_bytes,
+            sums,
+            rays: buffer("ray tiles", u64::from(count) * size_of::<RayTile>() as u64),
+            totals: buffer("counters", u64::from(COUNTERS_IN_ALL) * 8),
+        }
     }
 
     /// How many tiles there are.

@@ -5,9 +5,8 @@ use std::time::{Duration, Instant};
 
 use crate::design::ToneMap;
 use crate::image::{Display, Picture};
-use crate::render::{
-    Backend, BackendKind, Counters, MAX_SIDE, Progress, RenderError, RenderRequest,
-};
+use crate::render::progressive::{FEWEST_FOR_ERROR, check_size};
+use crate::render::{Backend, BackendKind, Counters, Progress, RenderError, RenderRequest};
 
 use super::GpuContext;
 use super::accumulation::Accumulation;
@@ -20,8 +19,6 @@ use super::upload::SceneBuffers;
 
 /// Longest dispatch to aim for: what shares the device with us, a desktop perhaps, waits no longer.
 const LONGEST_DISPATCH: Duration = Duration::from_millis(100);
-/// Fewest samples at which an error target can end a picture: the spread of four means of fewer tells little.
-const FEWEST_FOR_ERROR: u32 = 16;
 
 /// Draws on a GPU.
 #[derive(Debug)]
@@ -242,12 +239,12 @@ impl Backend for GpuBackend {
             work.request.settings = request.settings;
             return Ok(());
         }
-        check_size(request)?;
-        self.work = None;
+        check_size(request.size, request.crop)?;
+        let before = self.work.take().map(|work| work.accumulation);
         let old = self.scene.as_ref();
         let scene = SceneBuffers::new(&self.context, &self.pipelines, &request.scene, old)?;
         self.scene = Some(scene);
-        let accumulation = Accumulation::new(&self.context, request)?;
+        let accumulation = Accumulation::new(&self.context, request, before)?;
         let needs = SceneNeeds::new(&request.scene, &request.settings, self.filter_f32);
         let start = Instant::now();
         self.pipelines.trace(&self.context, needs)?;
@@ -335,28 +332,4 @@ impl Backend for GpuBackend {
         });
         scene + work + display
     }
-}
-
-/// Whether a picture of this size with this crop can be made.
-fn check_size(request: &RenderRequest) -> Result<(), RenderError> {
-    let [width, height] = request.size;
-    if request
-        .size
-        .iter()
-        .any(|side| !(1..=MAX_SIDE).contains(side))
-    {
-        return Err(RenderError::Size(format!(
-            "size is {width}x{height}, but both sides must be from 1 to {MAX_SIDE} pixels"
-        )));
-    }
-    let [x, y, crop_width, crop_height] = request.crop;
-    let fits = |start: u32, length: u32, side: u32| {
-        length > 0 && start.checked_add(length).is_some_and(|end| end <= side)
-    };
-    if fits(x, crop_width, width) && fits(y, crop_height, height) {
-        return Ok(());
-    }
-    Err(RenderError::Size(format!(
-        "crop is {x},{y},{crop_width},{crop_height}, but it must have at least one pixel and lie inside {width}x{height}"
-    )))
 }

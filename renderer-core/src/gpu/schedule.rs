@@ -158,12 +158,13 @@ impl Pace {
             .map_or(FIRST_PATHS, |pace| (pace * time.as_secs_f64()) as u64)
     }
 
-    /// Learns from a finished dispatch.
+    /// Learns from a finished dispatch. A device that turns out slower is believed at once (the picture may have become a
+    /// costly one, and a driver's watchdog waits a second or two), a faster one by and by.
     pub fn learn(&mut self, paths: u64, time: Duration) {
         let measured = paths as f64 / time.as_secs_f64().max(1e-6);
         self.paths_per_second = Some(match self.paths_per_second {
-            None => measured,
-            Some(old) => (0.5 * (old + measured)).min(old * GROWTH),
+            Some(old) if measured > old => (0.5 * (old + measured)).min(old * GROWTH),
+            _ => measured,
         });
     }
 }

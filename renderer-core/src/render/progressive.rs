@@ -14,7 +14,7 @@ use crate::image::Picture;
 
 /// Fewest samples at which an error target can end a picture: below, each of the four means that the error is
 /// estimated from is of less than four samples, and rare bright paths have not shown themselves.
-const FEWEST_FOR_ERROR: u32 = 16;
+pub(crate) const FEWEST_FOR_ERROR: u32 = 16;
 
 /// Which threads draw.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -165,7 +165,10 @@ impl Progressive {
 }
 
 /// Whether a picture of this size with this crop can be made.
-fn check_size(size: [u32; 2], crop: [u32; 4]) -> Result<(), RenderError> {
+///
+/// # Errors
+/// Tells what is allowed.
+pub(crate) fn check_size(size: [u32; 2], crop: [u32; 4]) -> Result<(), RenderError> {
     if size.iter().any(|side| !(1..=MAX_SIDE).contains(side)) {
         let [width, height] = size;
         return Err(RenderError::Size(format!(

@@ -129,42 +129,99 @@ fn composite_first(ray: Ray, threshold: f32) -> Scatter {
 // Below this a shadow ray counts as blocked.
 const BLOCKED: f32 = 1.0e-4;
 
+// A search for crossings along a ray, in whatever order they come within a cell.
+struct Search {
+    walk: Walk,
+    cell: Cell,
+    // The next solve to make.
+    entry: u32,
+    layer: u32,
+}
+
+// A loop met by a ray: the roots of one solve.
+struct Crossing {
+    // False where the ray has left the cloth.
+    found: bool,
+    index: u32,
+    layer: u32,
+    roots: Roots,
+    shape: Patch,
+}
+
+fn enter(ray: Ray, walk: Walk) -> Search {
+    if COUNTERS {
+        count_cells += 1u;
+    }
+    let cell = open_cell(ray, walk.cell, walk.t_enter, walk.t_exit);
+    return Search(walk, cell, next_met(cell, cell.entries_start), 0u);
+}
+
+// Goes on to the next solve that has a root in its cell's part of the ray. A loop of its own over cells, entries and
+// layers, so that neighbouring threads come together at the costly look into the volume.
+fn next_crossing(ray: Ray, search: ptr<function, Search>) -> Crossing {
+    var crossing: Crossing;
+    let limit = walk_limit();
+    for (var n = 0u; n < limit && !crossing.found && walk_goes_on((*search).walk);) {
+        if (*search).entry < (*search).cell.entries_end {
+            let listed = open_entry((*search).cell, (*search).entry);
+            crossing.index = listed.index;
+            crossing.layer = (*search).layer;
+            crossing.shape = load_patch(listed.index);
+            crossing.roots = solve(crossing.shape, origin_in_cell(ray, listed.cell), ray.direction, crossing.layer);
+            let t_from = (*search).walk.t_enter;
+            let t_to = (*search).walk.t_exit;
+            let first_in = event_is_in(ray, crossing.roots.first.z, t_from, t_to);
+            let second_in = event_is_in(ray, crossing.roots.second.z, t_from, t_to);
+            crossing.found = crossing.roots.count > 0u && (first_in || second_in);
+            (*search).layer += 1u;
+            if (*search).layer >= solves() {
+                (*search).layer = 0u;
+                (*search).entry = next_met((*search).cell, (*search).entry + 1u);
+            }
+        } else {
+            n++;
+            var walk = (*search).walk;
+            walk_step(ray, &walk);
+            (*search).walk = walk;
+            if walk_goes_on(walk) {
+                *search = enter(ray, walk);
+            }
+        }
+    }
+    return crossing;
+}
+
 // V: the share of light that passes all loops and the skeleton along a ray.
 fn composite_visibility(ray: Ray) -> f32 {
     if ground_along(ray, FAR).t < FAR {
         return 0.0;
     }
-    var walk = walk_begin(ray, scene.z_range, FAR);
     var visible = 1.0;
-    let limit = walk_limit();
-    for (var n = 0u; n < limit && walk_goes_on(walk) && visible >= BLOCKED; n++) {
-        if COUNTERS {
-            count_cells += 1u;
-        }
-        let cell = open_cell(ray, walk.cell, walk.t_enter, walk.t_exit);
-        for (var i = next_met(cell, cell.entries_start); i < cell.entries_end; i = next_met(cell, i + 1u)) {
-            let listed = open_entry(cell, i);
-            let shape = load_patch(listed.index);
-            let origin = origin_in_cell(ray, listed.cell);
-            for (var layer = 0u; layer < solves(); layer++) {
-                let roots = solve(shape, origin, ray.direction, layer);
-                // One body for both roots, since everything here is inlined.
-                for (var k = 0u; k < roots.count; k++) {
-                    var event = first_event(roots, listed.index, layer);
-                    if k == 1u {
-                        event = second_event(roots, listed.index, layer);
-                    }
-                    if event_is_in(ray, event.t, walk.t_enter, walk.t_exit) {
-                        let hit = gathered(event, shape, patch_normal(shape), load_yarn(listed.index), ray);
-                        visible *= 1.0 - hit.alpha;
-                    }
-                }
-            }
-            if visible < BLOCKED {
-                break;
-            }
-        }
-        walk_step(ray, &walk);
+    var search: Search;
+    search.walk = walk_begin(ray, scene.z_range, FAR);
+    if walk_goes_on(search.walk) {
+        search = enter(ray, search.walk);
     }
-    return select(visible, 0.0, visible < BLOCKED);
+    loop {
+        let crossing = next_crossing(ray, &search);
+        if !crossing.found {
+            break;
+        }
+        let walk = search.walk;
+        // One body for both roots, since everything here is inlined.
+        for (var k = 0u; k < crossing.roots.count; k++) {
+            var event = first_event(crossing.roots, crossing.index, crossing.layer);
+            if k == 1u {
+                event = second_event(crossing.roots, crossing.index, crossing.layer);
+            }
+            if event_is_in(ray, event.t, walk.t_enter, walk.t_exit) {
+                let normal = patch_normal(crossing.shape);
+                visible *= 1.0 - gathered(event, crossing.shape, normal, load_yarn(crossing.index), ray).alpha;
+            }
+        }
+        if visible < BLOCKED {
+            return 0.0;
+        }
+    }
+    return visible;
 }

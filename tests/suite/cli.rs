@@ -1,6 +1,7 @@
 //! The command line end to end: the real program is run, on a machine without Vulkan unless a test says otherwise.
 //!
 //! Presets here are a few loops wide, so that a run takes a fraction of a second.
+//! Longer than most files because all subcommands share one bench and one small preset.
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -1,5 +1,7 @@
 //! The designer driven as a user drives it, through egui_kittest: edits reach the document and the renderer's wish,
 //! undo takes them back, files come out as they went in.
+//!
+//! Longer than most files because one window is driven: its panels, gestures and dialogs share one set of helpers.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

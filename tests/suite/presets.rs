@@ -1,4 +1,6 @@
 //! Preset files: what is written reads back equal; every fault is found, at its line and column; `--set` paths.
+//!
+//! Longer than most files because it is the one list of faults a file can have.
 
 use std::fmt::Write as _;
 use std::fs;

@@ -35,11 +35,8 @@ list() { local text; printf -v text '%s, ' "$@"; printf '%s' "${text%, }"; }
 
 find_lacking() {
     need ca-certificates "TLS certificates" has_certificates
-    if [[ $1 == headless ]]; then
-        need g++ "a linker (cc)" can_link cc
-        return
-    fi
     need g++ "a linker and a C++ compiler (cc, c++)" can_link cc c++
+    [[ $1 != headless ]] || return 0
 
     # The program opens these by name when it runs, so no link step notices that one is missing.
     # ldconfig is not on a user's PATH on Debian.

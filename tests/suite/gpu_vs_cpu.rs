@@ -2,7 +2,9 @@
 //! for everything with free paths.
 
 use renderer_core::cpu::CpuBackend;
-use renderer_core::design::{Design, Interpolation, Method, Phase, SkeletonHeight};
+use renderer_core::design::{
+    Colour, Design, Interpolation, Method, Pattern, Phase, SkeletonHeight,
+};
 use renderer_core::gpu::GpuBackend;
 use renderer_core::image::Picture;
 use renderer_core::render::{Backend, RenderRequest};
@@ -25,6 +27,8 @@ fn assert_same_samples(gpu: &mut GpuBackend, what: &str, design: &Design) {
 #[test]
 fn single_and_layered_draw_the_same_samples_with_every_phase_and_skeleton() {
     let mut design = small_towel();
+    // Unequal shares, so that the sides of a loop cannot be confused.
+    design.pile.transmission = 0.3;
     let mut gpu = exact_gpu();
     for (method, phase, height, interpolation) in [
         (
@@ -134,6 +138,7 @@ fn both(design: &Design, size: [u32; 2]) -> [Vec<Picture>; 2] {
 #[test]
 fn tracked_paths_have_the_same_expectation() {
     let mut design = small_towel();
+    design.pile.transmission = 0.3;
     design.quality.method = Method::Tracked;
     design.quality.samples = 4;
     for (bounces, phase) in [(1, Phase::FrameLambert), (6, Phase::Isotropic)] {
@@ -156,6 +161,28 @@ fn paths_that_go_on_after_single_have_the_same_expectation() {
     design.quality.bounces = 3;
     let [shorter, _] = both(&design, [24, 24]);
     assert!(same_means(&cpu, &shorter).is_err());
+}
+
+/// Loops as wide as their neighbourhood, thinly filled and all bright before black: what passes through them is set by
+/// how densities that overlap are held together (MODEL.md §5), which in opaque pile hardly shows.
+#[test]
+fn crowded_loops_let_the_same_light_through() {
+    let mut design = small_towel();
+    design.weave.pattern = Pattern::filled(1, 1, 9);
+    let pile = &mut design.pile;
+    (pile.base_width, pile.top_width, pile.thickness) = (2.6, 2.6, 1.9);
+    (pile.yarn_diameter, pile.tilt, pile.density) = (1.5, 20.0, 0.25);
+    design.skeleton.visible = false;
+    // Nothing is lit: only the background's light is left, and what takes it away.
+    design.light.sun.clear();
+    design.light.environment.radiance = 0.0;
+    design.light.background = Colour::WHITE;
+    (design.quality.method, design.quality.samples) = (Method::Tracked, 8);
+    let [gpu, cpu] = both(&design, [24, 24]);
+    same_means(&cpu, &gpu).unwrap();
+    design.pile.density *= 1.1;
+    let [denser, _] = both(&design, [24, 24]);
+    assert!(same_means(&cpu, &denser).is_err());
 }
 
 fn scaled(picture: &Picture, by: f32) -> Picture {

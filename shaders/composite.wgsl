@@ -78,7 +78,7 @@ fn pile_scatter(ray: Ray, hit: Gathered, index: u32) -> Scatter {
     if PHASE == PHASE_KAJIYA_KAY {
         tangent = fibre_tangent(shape, normal, yarn, hit.at);
     }
-    return Scatter(PILE, ray.cell, ray.origin + hit.t * ray.direction, hit.t, normal, tangent, yarn.albedo * hit.shade);
+    return Scatter(PILE, ray.cell, ray.origin + hit.t * ray.direction, hit.t, normal, tangent, yarn.albedo * hit.shade, yarn.material);
 }
 
 // The first event at which the transmittance falls below `threshold` in (0, 1]: an event is chosen with probability

@@ -31,17 +31,21 @@ fn cosine_about(normal: vec3<f32>, u: vec2<f32>) -> vec3<f32> {
     return disc.x * basis_x(normal) + disc.y * basis_y(normal) + up * normal;
 }
 
-// N_p(θ_v) from its table, which is symmetric about π/2.
-fn highlight_normalisation(cos_eye: f32) -> f32 {
+// N_p(θ_v) from one row of its table, which is symmetric about π/2.
+fn highlight_normalisation(row: u32, cos_eye: f32) -> f32 {
     let angle = acos(clamp(abs(cos_eye), 0.0, 1.0));
     let place = clamp(angle * (2.0 / PI), 0.0, 1.0) * f32(HIGHLIGHT_INTERVALS);
     let index = min(u32(place), HIGHLIGHT_INTERVALS - 1u);
-    let low = highlight_norm[index / 4u][index % 4u];
-    let high = highlight_norm[(index + 1u) / 4u][(index + 1u) % 4u];
+    let low = textureLoad(highlight_norm, vec2<u32>(index, row), 0).x;
+    let high = textureLoad(highlight_norm, vec2<u32>(index + 1u, row), 0).x;
     return mix(low, high, place - f32(index));
 }
 
-fn kajiya_kay(tangent: vec3<f32>, towards_eye: vec3<f32>, towards_light: vec3<f32>) -> f32 {
+fn kajiya_kay(at: Scatter, towards_eye: vec3<f32>, towards_light: vec3<f32>) -> f32 {
+    let tangent = at.tangent;
+    let specular = scene.materials[at.material].specular;
+    let exponent = scene.materials[at.material].exponent;
+    let row = scene.materials[at.material].highlight_row;
     let cos_eye = clamp(dot(tangent, towards_eye), -1.0, 1.0);
     let cos_light = clamp(dot(tangent, towards_light), -1.0, 1.0);
     let sin_eye = sqrt(max(1.0 - cos_eye * cos_eye, 0.0));
@@ -50,9 +54,9 @@ fn kajiya_kay(tangent: vec3<f32>, towards_eye: vec3<f32>, towards_light: vec3<f3
     let mirrored = max(sin_light * sin_eye - cos_light * cos_eye, 0.0);
     var highlight = 0.0;
     if mirrored > 0.0 {
-        highlight = pow(mirrored, scene.exponent) / max(highlight_normalisation(cos_eye), 1.0e-20);
+        highlight = pow(mirrored, exponent) / max(highlight_normalisation(row, cos_eye), 1.0e-20);
     }
-    return mix(sin_light / (PI * PI), highlight, scene.specular);
+    return mix(sin_light / (PI * PI), highlight, specular);
 }
 
 // Light scattered towards the eye for light of unit irradiance from one direction: ψ, or albedo/π·cos for ground yarns.
@@ -63,11 +67,12 @@ fn scattered(at: Scatter, towards_eye: vec3<f32>, towards_light: vec3<f32>) -> v
     }
     if PHASE == PHASE_FRAME_LAMBERT {
         let same_side = cos_light * dot(at.normal, towards_eye) > 0.0;
-        let share = select(scene.transmission, 1.0 - scene.transmission, same_side);
+        let transmission = scene.materials[at.material].transmission;
+        let share = select(transmission, 1.0 - transmission, same_side);
         return at.albedo * (share * abs(cos_light) / PI);
     }
     if PHASE == PHASE_KAJIYA_KAY {
-        return at.albedo * kajiya_kay(at.tangent, towards_eye, towards_light);
+        return at.albedo * kajiya_kay(at, towards_eye, towards_light);
     }
     return at.albedo * (0.25 / PI);
 }
@@ -85,16 +90,17 @@ fn draw_direction(at: Scatter, towards_eye: vec3<f32>, u: vec2<f32>) -> Drawn {
     }
     if PHASE == PHASE_FRAME_LAMBERT {
         let eye_side = select(-1.0, 1.0, dot(at.normal, towards_eye) >= 0.0) * at.normal;
-        let reflected = 1.0 - scene.transmission;
+        let transmission = scene.materials[at.material].transmission;
+        let reflected = 1.0 - transmission;
         if u.x < reflected {
             return Drawn(cosine_about(eye_side, vec2<f32>(u.x / reflected, u.y)), at.albedo);
         }
-        let rest = clamp((u.x - reflected) / max(scene.transmission, 1.0e-6), 0.0, 1.0);
+        let rest = clamp((u.x - reflected) / max(transmission, 1.0e-6), 0.0, 1.0);
         return Drawn(cosine_about(-eye_side, vec2<f32>(rest, u.y)), at.albedo);
     }
     let direction = uniform_on_sphere(u);
     if PHASE == PHASE_KAJIYA_KAY {
-        return Drawn(direction, at.albedo * (4.0 * PI * kajiya_kay(at.tangent, towards_eye, direction)));
+        return Drawn(direction, at.albedo * (4.0 * PI * kajiya_kay(at, towards_eye, direction)));
     }
     return Drawn(direction, at.albedo);
 }

@@ -8,6 +8,22 @@ struct Sun {
     irradiance: vec4<f32>,
 }
 
+struct Material {
+    // Extinction of solid yarn, 1/mm.
+    density: f32,
+    // Index of the kind of pile.
+    kind: u32,
+    // k of frame_lambert.
+    transmission: f32,
+    // s of kajiya_kay.
+    specular: f32,
+    // p of kajiya_kay.
+    exponent: f32,
+    // Row of highlight_norm.
+    highlight_row: u32,
+    unused: vec2<u32>,
+}
+
 struct SceneConstants {
     // Size of a cell along x and y.
     pitch: vec2<f32>,
@@ -35,21 +51,15 @@ struct SceneConstants {
     variants: u32,
     // Highest density of any material, 1/mm.
     max_density: f32,
-    // k of frame_lambert.
-    transmission: f32,
-    // s of kajiya_kay.
-    specular: f32,
-    // p of kajiya_kay.
-    exponent: f32,
     // H: how far ground yarns rise and sink.
     crimp: f32,
+    unused: f32,
     // Radii of warps and wefts.
     yarn_radius: vec2<f32>,
     // How many yarns away warps and wefts reach into a cell; 0 unless they are thicker than their pitch.
     yarn_reach: vec2<i32>,
     // Repeat of the stitch pattern along x and y, cells.
     repeat: vec2<u32>,
-    unused: vec2<u32>,
     // Diffuse albedo of the ground yarns; w unused.
     skeleton_albedo: vec4<f32>,
     // Radiance of the environment; w unused.
@@ -57,8 +67,7 @@ struct SceneConstants {
     // Radiance seen where there is no cloth; w unused.
     background: vec4<f32>,
     suns: array<Sun, MAX_SUNS>,
-    // Density (1/mm), index of the kind of pile, unused, unused.
-    materials: array<vec4<f32>, MAX_MATERIALS>,
+    materials: array<Material, MAX_MATERIALS>,
 }
 
 @group(0) @binding(0) var<uniform> scene: SceneConstants;
@@ -71,8 +80,8 @@ struct SceneConstants {
 @group(0) @binding(4) var<storage, read> cell_entries: array<u32>;
 // For each cell of the stitch repeat: which yarn is over here and at its four neighbours, see skeleton.wgsl.
 @group(0) @binding(5) var<storage, read> stitches: array<u32>;
-// N_p(θ_v) of kajiya_kay at HIGHLIGHT_INTERVALS + 1 angles from 0 to π/2, four a vec4.
-@group(0) @binding(6) var<uniform> highlight_norm: array<vec4<f32>, HIGHLIGHT_INTERVALS / 4u + 1u>;
+// N_p(θ_v) of kajiya_kay at HIGHLIGHT_INTERVALS + 1 angles from 0 to π/2, a row for each exponent in use.
+@group(0) @binding(6) var highlight_norm: texture_2d<f32>;
 // Density ρ and ρ·shade; slice = (kind · variants + variant) · layers + layer.
 @group(0) @binding(7) var voxels: texture_3d<f32>;
 // ρ·ttᵀ: (xx, yy, zz, xy) and (xz, yz, –, –), when the phase function needs it.
@@ -97,8 +106,10 @@ struct Scatter {
     tangent: vec3<f32>,
     // Single-scatter or diffuse albedo.
     albedo: vec3<f32>,
+    // Index of the loop's material.
+    material: u32,
 }
 
 fn no_scatter() -> Scatter {
-    return Scatter(NOTHING, vec2<i32>(), vec3<f32>(), 0.0, vec3<f32>(), vec3<f32>(), vec3<f32>());
+    return Scatter(NOTHING, vec2<i32>(), vec3<f32>(), 0.0, vec3<f32>(), vec3<f32>(), vec3<f32>(), 0u);
 }

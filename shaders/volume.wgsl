@@ -7,17 +7,22 @@ struct Yarn {
     density: f32,
     // First slice of the loop's volume in the voxel textures.
     first_slice: f32,
+    // Index of its material.
+    material: u32,
 }
 
 fn load_yarn(index: u32) -> Yarn {
     let look = loop_looks[index];
-    let material = scene.materials[min(look.y >> 24u, MAX_MATERIALS - 1u)];
+    let index_of_material = min(look.y >> 24u, MAX_MATERIALS - 1u);
+    let density = scene.materials[index_of_material].density;
+    let kind = scene.materials[index_of_material].kind;
     let variant = (look.y >> 16u) & 0xffu;
-    let volume = u32(material.y) * scene.variants + variant;
+    let volume = kind * scene.variants + variant;
     return Yarn(
         vec3<f32>(unpack2x16unorm(look.x), unpack2x16unorm(look.y).x),
-        material.x,
+        density,
         f32(volume * LAYERS),
+        index_of_material,
     );
 }
 

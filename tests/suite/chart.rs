@@ -135,6 +135,7 @@ fn the_table_gives_the_nearest_colours_length_and_material() {
         albedo_scale: 0.5,
         density,
         kind,
+        ..LengthEntry::default()
     };
     let length = Length {
         map: LengthMap::Lut,

@@ -14,6 +14,7 @@ mod gpu_backend;
 mod gpu_vs_cpu;
 mod grid;
 mod layout;
+mod materials;
 mod metrics;
 mod presets;
 mod probes;

@@ -56,6 +56,9 @@ fn every_field_survives_writing_and_reading() {
         LengthEntry {
             density: Some(2.5),
             kind: Some(PileKind::Cut),
+            transmission: Some(0.125),
+            specular: Some(1.0),
+            exponent: Some(17.5),
             ..LengthEntry::default()
         },
     ];
@@ -129,6 +132,7 @@ fn each_fault_has_its_place_value_and_what_is_allowed() {
         ("[[view.cameras]]\ntarget = [0, 1, 2e6]", "3:17 view.cameras[0].target[2] | view.cameras[0].target[2] is 2000000, allowed is -1000000 to 1000000 mm"),
         ("[[view.cameras]]\n[[view.cameras]]\nname = 'default'", "4:8 view.cameras[1].name | view.cameras[1].name is \"default\", allowed is a name that no other camera has"),
         ("[length]\nmap = 'lut'\n[[length.table]]\ndensity = -3", "5:11 length.table[0].density | length.table[0].density is -3, allowed is 0 to 1000000 /mm"),
+        ("[length]\nmap = 'lut'\n[[length.table]]\nexponent = 0.5", "5:12 length.table[0].exponent | length.table[0].exponent is 0.5, allowed is 1 to 500"),
         ("[length]\ncurve = [[0, 0], [1, 1], [0.5, 1]]", "3:26 length.curve[2] | length.curve[2] is [0.5, 1], allowed is [brightness, share], each 0 to 1, brightness rising"),
         ("[weave]\npattern = [\n  [7, 0],\n  [0, 5],\n]", "5:7 weave.pattern[1][1] | weave.pattern[1][1] is 5, allowed is 0 (weft over), 1 (warp over), 7 (loop on the front), 8 (loop on the back) or 9 (loops on both)"),
         ("[weave]\npattern = [[7, 0], [0]]", "3:11 weave.pattern | weave.pattern: row 1 of the pattern has 1 cells, but row 0 has 2"),

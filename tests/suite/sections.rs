@@ -199,6 +199,9 @@ fn rows_of_the_table_change_what_they_name() {
     assert_eq!(edit(|row| row.length = 3.5), ["loops", "volumes"]);
     assert_eq!(edit(|row| row.albedo_scale = 0.5), ["looks"]);
     assert_eq!(edit(|row| row.density = Some(5.0)), ["looks", "pile"]);
+    assert_eq!(edit(|row| row.transmission = Some(0.2)), ["looks", "pile"]);
+    assert_eq!(edit(|row| row.specular = Some(0.2)), ["looks", "pile"]);
+    assert_eq!(edit(|row| row.exponent = Some(20.0)), ["looks", "pile"]);
     assert_eq!(
         edit(|row| row.kind = Some(PileKind::Cut)),
         ["looks", "volumes", "pile"]
@@ -257,18 +260,12 @@ fn assert_finite(scene: &Scene, what: &str) {
         );
     }
     assert!(finite(&scene.volumes.reference_size_mm), "{what}");
-    let optics = &scene.pile;
-    assert!(finite(&[
-        optics.transmission,
-        optics.specular,
-        optics.exponent
-    ]));
-    assert!(
-        optics
-            .materials
-            .iter()
-            .all(|m| m.density_per_mm.is_finite())
-    );
+    assert!(scene.pile.materials.iter().all(|m| finite(&[
+        m.density_per_mm,
+        m.transmission,
+        m.specular,
+        m.exponent
+    ])));
     let lights = &scene.lights;
     let suns = lights.suns.iter();
     assert!(

@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::fields::{Fault, Numbers, section};
+use super::fields::{Fault, Field, Numbers, section};
 use super::{ChartImage, Colour, Pattern, Shape, Shaped};
 
 section! {
@@ -198,6 +198,15 @@ section! {
             /// Kind of pile instead of `pile.kind`.
             #[serde(skip_serializing_if = "Option::is_none")]
             kind: Option<PileKind> = None;
+            /// Share of light that passes through instead of `pile.transmission`, for frame Lambert.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            transmission: Option<f64> = None;
+            /// Share of light in the highlight instead of `pile.specular`, for Kajiya-Kay.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            specular: Option<f64> = None;
+            /// Sharpness of the highlight instead of `pile.exponent`, for Kajiya-Kay.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            exponent: Option<f64> = None;
         }
     }
 }
@@ -222,6 +231,19 @@ section! {
             #[serde(skip_serializing_if = "Vec::is_empty")]
             table: Vec<LengthEntry> = Vec::new();
         }
+    }
+}
+
+impl LengthEntry {
+    /// The numbers that a row may have instead of the pile's, with the pile's fields; `None` where it has the pile's.
+    pub fn own_numbers(&self) -> [(Field, Option<f64>); 4] {
+        let fields = Pile::FIELDS;
+        [
+            (fields.density, self.density),
+            (fields.transmission, self.transmission),
+            (fields.specular, self.specular),
+            (fields.exponent, self.exponent),
+        ]
     }
 }
 
@@ -286,16 +308,15 @@ impl Length {
         }
         for (index, row) in self.table.iter().enumerate() {
             row.push_range_faults(&format!("length.table[{index}]"), faults);
-            let density = Pile::FIELDS.density;
-            if let Some(value) = row
-                .density
-                .filter(|value| !(density.min..=density.max).contains(value))
-            {
-                faults.push(Fault {
-                    path: format!("length.table[{index}].density"),
-                    value: value.to_string(),
-                    allowed: density.allowed(),
-                });
+            for (field, value) in row.own_numbers() {
+                if let Some(value) = value.filter(|value| !(field.min..=field.max).contains(value))
+                {
+                    faults.push(Fault {
+                        path: format!("length.table[{index}].{}", field.name),
+                        value: value.to_string(),
+                        allowed: field.allowed(),
+                    });
+                }
             }
         }
     }

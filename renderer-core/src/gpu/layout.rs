@@ -123,6 +123,24 @@ mirrors! {
         irradiance: [f32; 4],
     }
 
+    /// A kind of yarn.
+    struct Material {
+        /// Extinction of solid yarn, 1/mm.
+        density: f32,
+        /// Kind of pile.
+        kind: u32,
+        /// k of `frame_lambert`.
+        transmission: f32,
+        /// s of `kajiya_kay`.
+        specular: f32,
+        /// p of `kajiya_kay`.
+        exponent: f32,
+        /// Row of the table of N_p.
+        highlight_row: u32,
+        /// Padding.
+        unused: [u32; 2],
+    }
+
     /// What is constant in a scene.
     struct SceneConstants {
         /// Size of a cell, mm.
@@ -151,22 +169,16 @@ mirrors! {
         variants: u32,
         /// Highest density, 1/mm.
         max_density: f32,
-        /// k of `frame_lambert`.
-        transmission: f32,
-        /// s of `kajiya_kay`.
-        specular: f32,
-        /// p of `kajiya_kay`.
-        exponent: f32,
         /// H, mm.
         crimp: f32,
+        /// Padding.
+        unused: f32,
         /// Radii of warps and wefts, mm.
         yarn_radius: [f32; 2],
         /// Yarns beside a cell that reach into it.
         yarn_reach: [i32; 2],
         /// Repeat of the pattern, cells.
         repeat: [u32; 2],
-        /// Padding.
-        unused: [u32; 2],
         /// Albedo of the ground yarns.
         skeleton_albedo: [f32; 4],
         /// Radiance of the environment.
@@ -175,8 +187,8 @@ mirrors! {
         background: [f32; 4],
         /// All suns.
         suns: [Sun; MAX_SUNS as usize],
-        /// Density (1/mm) and kind of each material.
-        materials: [[f32; 4]; MAX_MATERIALS as usize],
+        /// All materials.
+        materials: [Material; MAX_MATERIALS as usize],
     }
 
     /// Camera rays of a tile.

@@ -93,6 +93,18 @@ fn volume(binding: u32) -> wgpu::BindGroupLayoutEntry {
     )
 }
 
+/// A texture read texel by texel.
+fn table(binding: u32) -> wgpu::BindGroupLayoutEntry {
+    other(
+        binding,
+        wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: false },
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        },
+    )
+}
+
 impl Program {
     fn new(
         context: &GpuContext,
@@ -155,7 +167,7 @@ impl Pipelines {
                 storage(3, true),
                 storage(4, true),
                 storage(5, true),
-                uniform(6, 0),
+                table(6),
                 volume(7),
                 volume(8),
                 volume(9),

@@ -1,13 +1,15 @@
 //! A scene on the device. Sections are compared by identity: what is the same `Arc` as before keeps its buffers.
 
+use bytemuck::Zeroable;
+
 use crate::design::{Phase, SkeletonHeight};
 use crate::render::RenderError;
-use crate::scene::{Scene, Skeleton, Volumes};
+use crate::scene::{PileOptics, Scene, Skeleton, Volumes};
 
 use super::GpuContext;
 use super::layout::{
-    MAX_MATERIALS, MAX_SUNS, STITCH_FAR, STITCH_HERE, STITCH_LEFT, STITCH_NEAR, STITCH_RIGHT,
-    SceneConstants, Sun,
+    HIGHLIGHT_INTERVALS, MAX_MATERIALS, MAX_SUNS, Material, STITCH_FAR, STITCH_HERE, STITCH_LEFT,
+    STITCH_NEAR, STITCH_RIGHT, SceneConstants, Sun,
 };
 use super::{highlight, pipelines::Pipelines};
 
@@ -21,7 +23,7 @@ pub struct SceneBuffers {
     headers: wgpu::Buffer,
     entries: wgpu::Buffer,
     stitches: wgpu::Buffer,
-    highlight: wgpu::Buffer,
+    highlight: wgpu::Texture,
     voxels: wgpu::Texture,
     tangents: [wgpu::Texture; 2],
     sampler: wgpu::Sampler,
@@ -85,14 +87,7 @@ impl SceneBuffers {
         };
         let highlight = match kept(|a, b| a.pile == b.pile) {
             Some(old) => old.highlight.clone(),
-            None => {
-                // Phases without a highlight never read the table.
-                let exponent = match scene.pile.phase {
-                    Phase::KajiyaKay => scene.pile.exponent,
-                    Phase::Isotropic | Phase::FrameLambert => 1.0,
-                };
-                uniform_buffer(context, bytemuck::cast_slice(&highlight::table(exponent)))
-            }
+            None => highlight_texture(context, &scene.pile),
         };
         let (voxels, tangents) = match kept(|a, b| a.volumes == b.volumes) {
             Some(old) => (old.voxels.clone(), old.tangents.clone()),
@@ -110,10 +105,8 @@ impl SceneBuffers {
         let constants = uniform_buffer(context, bytemuck::bytes_of(&scene_constants(scene)));
 
         let view = |texture: &wgpu::Texture| texture.create_view(&Default::default());
-        let views = [view(&voxels), view(&tangents[0]), view(&tangents[1])];
-        let buffers = [
-            &constants, &shapes, &looks, &headers, &entries, &stitches, &highlight,
-        ];
+        let views = [&highlight, &voxels, &tangents[0], &tangents[1]].map(view);
+        let buffers = [&constants, &shapes, &looks, &headers, &entries, &stitches];
         let resources = buffers
             .into_iter()
             .map(wgpu::Buffer::as_entire_binding)
@@ -163,10 +156,10 @@ impl SceneBuffers {
             &self.headers,
             &self.entries,
             &self.stitches,
-            &self.highlight,
         ];
         buffers.iter().map(|buffer| buffer.size()).sum::<u64>()
             + texture(&self.voxels)
+            + texture(&self.highlight)
             + self.tangents.iter().map(texture).sum::<u64>()
     }
 }
@@ -226,6 +219,32 @@ fn stitch_words(skeleton: &Skeleton) -> Vec<u32> {
         .collect()
 }
 
+/// Exponents whose table of N_p the pile needs, each once: the table's rows. Phases without a highlight never read it.
+fn exponents(pile: &PileOptics) -> Vec<f32> {
+    let mut rows = Vec::new();
+    if pile.phase == Phase::KajiyaKay {
+        for material in &pile.materials {
+            if !rows.contains(&material.exponent) {
+                rows.push(material.exponent);
+            }
+        }
+    }
+    rows
+}
+
+/// N_p over angles, a row for each exponent.
+fn highlight_texture(context: &GpuContext, pile: &PileOptics) -> wgpu::Texture {
+    let rows = exponents(pile);
+    let norms: Vec<f32> = rows.iter().copied().flat_map(highlight::table).collect();
+    texture(
+        context,
+        wgpu::TextureDimension::D2,
+        wgpu::TextureFormat::R32Float,
+        [HIGHLIGHT_INTERVALS + 1, rows.len() as u32, 1],
+        bytemuck::cast_slice(&norms),
+    )
+}
+
 /// Voxels as one 3D texture with all volumes stacked up, and tangents as two; tiny ones where there are none.
 fn volume_textures(
     context: &GpuContext,
@@ -243,6 +262,7 @@ fn volume_textures(
     context.check("pile.resolution", side.into(), limit)?;
     let voxels = texture(
         context,
+        wgpu::TextureDimension::D3,
         wgpu::TextureFormat::Rg8Unorm,
         [side, side, slices as u32],
         bytemuck::cast_slice(&volumes.voxels),
@@ -252,6 +272,7 @@ fn volume_textures(
     } else {
         [side, side, slices as u32]
     };
+    let volume = wgpu::TextureDimension::D3;
     let part = |channels: std::ops::Range<usize>| -> Vec<u8> {
         volumes
             .tangents
@@ -261,14 +282,27 @@ fn volume_textures(
             .collect()
     };
     let tangents = [
-        texture(context, wgpu::TextureFormat::Rgba8Snorm, size, &part(0..4)),
-        texture(context, wgpu::TextureFormat::Rg8Snorm, size, &part(4..6)),
+        texture(
+            context,
+            volume,
+            wgpu::TextureFormat::Rgba8Snorm,
+            size,
+            &part(0..4),
+        ),
+        texture(
+            context,
+            volume,
+            wgpu::TextureFormat::Rg8Snorm,
+            size,
+            &part(4..6),
+        ),
     ];
     Ok((voxels, tangents))
 }
 
 fn texture(
     context: &GpuContext,
+    dimension: wgpu::TextureDimension,
     format: wgpu::TextureFormat,
     [width, height, depth]: [u32; 3],
     bytes: &[u8],
@@ -283,7 +317,7 @@ fn texture(
         size,
         mip_level_count: 1,
         sample_count: 1,
-        dimension: wgpu::TextureDimension::D3,
+        dimension,
         format,
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
@@ -341,9 +375,19 @@ fn scene_constants(scene: &Scene) -> SceneConstants {
         slot.direction[3] = (2.0 * (sun.angular_radius / 2.0).sin().powi(2)) as f32;
         slot.irradiance = rgb(sun.irradiance);
     }
-    let mut materials = [[0.0; 4]; MAX_MATERIALS as usize];
+    let rows = exponents(pile);
+    let mut materials = [Material::zeroed(); MAX_MATERIALS as usize];
     for (slot, material) in materials.iter_mut().zip(&pile.materials) {
-        *slot = [material.density_per_mm, material.kind as f32, 0.0, 0.0];
+        let row = rows.iter().position(|&row| row == material.exponent);
+        *slot = Material {
+            density: material.density_per_mm,
+            kind: material.kind,
+            transmission: material.transmission,
+            specular: material.specular,
+            exponent: material.exponent,
+            highlight_row: row.unwrap_or(0) as u32,
+            unused: [0; 2],
+        };
     }
     SceneConstants {
         pitch: [sheet.pitch_x_mm as f32, sheet.pitch_y_mm as f32],
@@ -362,17 +406,14 @@ fn scene_constants(scene: &Scene) -> SceneConstants {
             .materials
             .iter()
             .fold(0.0, |most, material| most.max(material.density_per_mm)),
-        transmission: pile.transmission,
-        specular: pile.specular,
-        exponent: pile.exponent,
         crimp: skeleton.crimp_mm,
+        unused: 0.0,
         yarn_radius: [skeleton.warp_radius_mm, skeleton.weft_radius_mm],
         yarn_reach: [
             reach(skeleton.warp_radius_mm, sheet.pitch_x_mm),
             reach(skeleton.weft_radius_mm, sheet.pitch_y_mm),
         ],
         repeat: skeleton.repeat,
-        unused: [0; 2],
         skeleton_albedo: rgb(skeleton.albedo.map(f64::from)),
         environment: rgb(lights.environment),
         background: rgb(lights.background),

@@ -47,17 +47,25 @@ impl Tracer {
         shade: f64,
     ) -> Vertex {
         let frame = self.frame(place);
+        let look = self.scene.looks[place.index];
+        let material = usize::from(look.material);
         let lobe = match self.optics.phase() {
             Phase::Isotropic => Lobe::Isotropic,
-            Phase::FrameLambert => Lobe::Frame(frame.normal),
+            Phase::FrameLambert => Lobe::Frame {
+                normal: frame.normal,
+                material,
+            },
             Phase::KajiyaKay => {
                 let tangent = self.volume(place).tangent(inside);
                 let [along_u, along_v, along_w] = frame.jacobian(inside[0], inside[1]);
                 let world = along_u * tangent.x + along_v * tangent.y + along_w * tangent.z;
-                Lobe::Fibre(world.normalize_or(frame.normal))
+                Lobe::Fibre {
+                    tangent: world.normalize_or(frame.normal),
+                    material,
+                }
             }
         };
-        let albedo = DVec3::from_array(self.scene.looks[place.index].albedo());
+        let albedo = DVec3::from_array(look.albedo());
         Vertex {
             position: ray.at(t),
             t,

@@ -51,7 +51,7 @@ pub struct Tracer {
     /// The frame of each loop: every ray needs some, and most are needed by many.
     frames: Arc<Vec<LoopFrame>>,
     yarns: Option<Yarns>,
-    optics: Optics,
+    optics: Arc<Optics>,
     /// Extinction of the densest material, 1/mm.
     densest_per_mm: f64,
 }
@@ -76,19 +76,25 @@ impl Tracer {
     /// Prepares for `request`.
     pub fn new(request: &RenderRequest) -> Self {
         let frames = Arc::new(frames(&request.scene.loops));
-        Self::with_frames(request, frames)
+        Self::with(request, frames, Arc::new(Optics::new(&request.scene.pile)))
     }
 
-    /// Prepares for another request; the frames are kept if the loops are the same.
+    /// Prepares for another request; frames and phase functions are kept if loops and pile are the same.
     pub fn again(&self, request: &RenderRequest) -> Self {
-        if request.scene.loops == self.scene.loops {
-            Self::with_frames(request, Arc::clone(&self.frames))
+        let frames = if request.scene.loops == self.scene.loops {
+            Arc::clone(&self.frames)
         } else {
-            Self::new(request)
-        }
+            Arc::new(frames(&request.scene.loops))
+        };
+        let optics = if request.scene.pile == self.scene.pile {
+            Arc::clone(&self.optics)
+        } else {
+            Arc::new(Optics::new(&request.scene.pile))
+        };
+        Self::with(request, frames, optics)
     }
 
-    fn with_frames(request: &RenderRequest, frames: Arc<Vec<LoopFrame>>) -> Self {
+    fn with(request: &RenderRequest, frames: Arc<Vec<LoopFrame>>, optics: Arc<Optics>) -> Self {
         let scene = Arc::clone(&request.scene);
         let yarns = scene
             .skeleton
@@ -102,7 +108,7 @@ impl Tracer {
             settings: request.settings,
             grid: Grid::new(&scene.sheet, &scene.loops, yarns.as_ref()),
             frames,
-            optics: Optics::new(&scene.pile),
+            optics,
             densest_per_mm: densest,
             yarns,
             scene,

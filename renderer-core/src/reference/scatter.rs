@@ -10,7 +10,7 @@ use glam::DVec3;
 use crate::design::Phase;
 use crate::geometry::Ray;
 use crate::sampling::directions;
-use crate::scene::PileOptics;
+use crate::scene::{Material, PileOptics};
 
 /// Distance from a surface at which rays leave it, mm: far above the precision of its hits (10⁻⁹ mm), far below any yarn.
 const SURFACE_OFFSET_MM: f64 = 1e-6;
@@ -20,10 +20,20 @@ const SURFACE_OFFSET_MM: f64 = 1e-6;
 pub enum Lobe {
     /// Equally to all sides.
     Isotropic,
-    /// As a small two-sided Lambertian surface with this unit normal.
-    Frame(DVec3),
-    /// As a fibre with this unit tangent.
-    Fibre(DVec3),
+    /// As a small two-sided Lambertian surface.
+    Frame {
+        /// Its unit normal.
+        normal: DVec3,
+        /// Index of the loop's material.
+        material: usize,
+    },
+    /// As a fibre.
+    Fibre {
+        /// Its unit tangent.
+        tangent: DVec3,
+        /// Index of the loop's material.
+        material: usize,
+    },
     /// As an opaque Lambertian surface with this unit normal.
     Surface(DVec3),
 }
@@ -54,30 +64,50 @@ impl Vertex {
     }
 }
 
-/// The parameters of the phase functions.
+/// The phase function and its parameters in each material.
 #[derive(Debug, Clone)]
 pub struct Optics {
     phase: Phase,
+    materials: Vec<Parameters>,
+    /// For each different p of `kajiya_kay`, N_p at equal steps of θ_v from 0 to π; empty for other phases.
+    highlight_norms: Vec<Vec<f64>>,
+}
+
+/// The parameters of one material.
+#[derive(Debug, Clone, Copy)]
+struct Parameters {
     /// k of `frame_lambert`.
     transmission: f64,
     /// s and p of `kajiya_kay`.
     specular: f64,
     exponent: f64,
-    /// N_p at equal steps of θ_v from 0 to π; empty for other phases.
-    highlight_norm: Vec<f64>,
+    /// Index into [`Optics::highlight_norms`].
+    norm: usize,
 }
 
 impl Optics {
     /// Prepares the phase function of `pile`.
     pub fn new(pile: &PileOptics) -> Self {
-        let exponent = f64::from(pile.exponent);
+        let mut exponents: Vec<f64> = Vec::new();
+        let mut parameters = |material: &Material| {
+            let exponent = f64::from(material.exponent);
+            let known = exponents.iter().position(|&known| known == exponent);
+            if known.is_none() {
+                exponents.push(exponent);
+            }
+            Parameters {
+                transmission: f64::from(material.transmission),
+                specular: f64::from(material.specular),
+                exponent,
+                norm: known.unwrap_or(exponents.len() - 1),
+            }
+        };
+        let materials = pile.materials.iter().map(&mut parameters).collect();
         Self {
             phase: pile.phase,
-            transmission: f64::from(pile.transmission),
-            specular: f64::from(pile.specular),
-            exponent,
-            highlight_norm: match pile.phase {
-                Phase::KajiyaKay => highlight_norms(exponent),
+            materials,
+            highlight_norms: match pile.phase {
+                Phase::KajiyaKay => exponents.into_iter().map(highlight_norms).collect(),
                 Phase::Isotropic | Phase::FrameLambert => Vec::new(),
             },
         }
@@ -92,23 +122,26 @@ impl Optics {
     pub fn value(&self, lobe: Lobe, view: DVec3, light: DVec3) -> f64 {
         match lobe {
             Lobe::Isotropic => 0.25 * FRAC_1_PI,
-            Lobe::Frame(normal) => {
+            Lobe::Frame { normal, material } => {
+                let transmission = self.materials[material].transmission;
                 let (to_light, to_view) = (normal.dot(light), normal.dot(view));
                 let share = if to_light * to_view > 0.0 {
-                    1.0 - self.transmission
+                    1.0 - transmission
                 } else {
-                    self.transmission
+                    transmission
                 };
                 share * to_light.abs() * FRAC_1_PI
             }
-            Lobe::Fibre(tangent) => {
+            Lobe::Fibre { tangent, material } => {
+                let fibre = self.materials[material];
                 let (cos_light, cos_view) = (tangent.dot(light), tangent.dot(view));
                 let sine = |cosine: f64| (1.0 - cosine * cosine).max(0.0).sqrt();
                 let (sin_light, sin_view) = (sine(cos_light), sine(cos_view));
                 // cos(θ_l + θ_v − π) = −cos(θ_l + θ_v)
                 let highlight = (sin_light * sin_view - cos_light * cos_view).max(0.0);
-                (1.0 - self.specular) * sin_light * FRAC_1_PI * FRAC_1_PI
-                    + self.specular * highlight.powf(self.exponent) / self.highlight_norm(cos_view)
+                (1.0 - fibre.specular) * sin_light * FRAC_1_PI * FRAC_1_PI
+                    + fibre.specular * highlight.powf(fibre.exponent)
+                        / self.highlight_norm(fibre.norm, cos_view)
             }
             Lobe::Surface(normal) => normal.dot(light).max(0.0) * FRAC_1_PI,
         }
@@ -118,21 +151,22 @@ impl Optics {
     pub fn sample(&self, lobe: Lobe, view: DVec3, [u, v]: [f64; 2]) -> (DVec3, f64) {
         match lobe {
             Lobe::Isotropic => (directions::sphere(u, v), 1.0),
-            Lobe::Frame(normal) => {
+            Lobe::Frame { normal, material } => {
+                let transmission = self.materials[material].transmission;
                 let near = if normal.dot(view) > 0.0 {
                     normal
                 } else {
                     -normal
                 };
-                let reflected = 1.0 - self.transmission;
+                let reflected = 1.0 - transmission;
                 let direction = if u < reflected {
                     directions::cosine_hemisphere(near, u / reflected, v)
                 } else {
-                    directions::cosine_hemisphere(-near, (u - reflected) / self.transmission, v)
+                    directions::cosine_hemisphere(-near, (u - reflected) / transmission, v)
                 };
                 (direction, 1.0)
             }
-            Lobe::Fibre(_) => {
+            Lobe::Fibre { .. } => {
                 let direction = directions::sphere(u, v);
                 (direction, 4.0 * PI * self.value(lobe, view, direction))
             }
@@ -140,13 +174,14 @@ impl Optics {
         }
     }
 
-    /// N_p(θ_v), interpolated.
-    fn highlight_norm(&self, cos_view: f64) -> f64 {
-        let last = self.highlight_norm.len() - 1;
+    /// N_p(θ_v) of one of the exponents, interpolated.
+    fn highlight_norm(&self, exponent: usize, cos_view: f64) -> f64 {
+        let norms = &self.highlight_norms[exponent];
+        let last = norms.len() - 1;
         let x = cos_view.clamp(-1.0, 1.0).acos() / PI * last as f64;
         let near = (x as usize).min(last - 1);
         let share = x - near as f64;
-        self.highlight_norm[near] * (1.0 - share) + self.highlight_norm[near + 1] * share
+        norms[near] * (1.0 - share) + norms[near + 1] * share
     }
 }
 

@@ -72,6 +72,7 @@ impl<'a> LoopVolume<'a> {
         let Material {
             density_per_mm,
             kind,
+            ..
         } = pile.materials[usize::from(look.material)];
         let layers = (kind * volumes.variants + u32::from(look.variant)) * volumes.layers;
         Self {

@@ -24,6 +24,9 @@ impl Materials {
         let mut list = vec![Material {
             density_per_mm: pile.density as f32,
             kind: 0,
+            transmission: pile.transmission as f32,
+            specular: pile.specular as f32,
+            exponent: pile.exponent as f32,
         }];
         let rows = match design.length.map {
             LengthMap::Lut => design.length.table.as_slice(),
@@ -37,6 +40,9 @@ impl Materials {
                 let material = Material {
                     density_per_mm: row.density.unwrap_or(pile.density) as f32,
                     kind: kind.unwrap_or(kinds.len()) as u32,
+                    transmission: row.transmission.unwrap_or(pile.transmission) as f32,
+                    specular: row.specular.unwrap_or(pile.specular) as f32,
+                    exponent: row.exponent.unwrap_or(pile.exponent) as f32,
                 };
                 if kind.is_none() {
                     kinds.push(wanted);
@@ -59,12 +65,8 @@ impl Materials {
 impl PileOptics {
     /// How the pile of a design scatters.
     pub(super) fn new(design: &Design, materials: &Materials) -> Self {
-        let pile = &design.pile;
         Self {
-            phase: pile.phase,
-            transmission: pile.transmission as f32,
-            specular: pile.specular as f32,
-            exponent: pile.exponent as f32,
+            phase: design.pile.phase,
             materials: materials.list.clone(),
         }
     }

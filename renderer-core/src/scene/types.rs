@@ -274,6 +274,12 @@ pub struct Material {
     pub density_per_mm: f32,
     /// Index into [`Volumes::kinds`].
     pub kind: u32,
+    /// k of `frame_lambert`: share of light let through.
+    pub transmission: f32,
+    /// s of `kajiya_kay`: share of light in the highlight.
+    pub specular: f32,
+    /// p of `kajiya_kay`: sharpness of the highlight.
+    pub exponent: f32,
 }
 
 /// How the pile scatters (MODEL.md §8).
@@ -281,12 +287,6 @@ pub struct Material {
 pub struct PileOptics {
     /// Phase function of all loops.
     pub phase: Phase,
-    /// k of `frame_lambert`: share of light let through.
-    pub transmission: f32,
-    /// s of `kajiya_kay`: share of light in the highlight.
-    pub specular: f32,
-    /// p of `kajiya_kay`: sharpness of the highlight.
-    pub exponent: f32,
     /// Materials that loops refer to; the first is the pile's own. At most 65.
     pub materials: Vec<Material>,
 }

@@ -7,18 +7,35 @@ use renderer_core::design::{Design, Method, Phase};
 use renderer_core::geometry::{Ray, orthonormal_basis};
 use renderer_core::reference::{Lobe, Optics, Scratch, main_axis};
 use renderer_core::sampling::Pcg;
-use renderer_core::scene::{PileOptics, Section, Volumes, compile};
+use renderer_core::scene::{Material, PileOptics, Section, Volumes, compile};
 
 use super::cloth::{ALL_PHASES, Random, all_loops, tracer};
 
 fn optics(phase: Phase, transmission: f32, specular: f32, exponent: f32) -> Optics {
     Optics::new(&PileOptics {
         phase,
-        transmission,
-        specular,
-        exponent,
-        materials: Vec::new(),
+        materials: vec![Material {
+            density_per_mm: 1.0,
+            kind: 0,
+            transmission,
+            specular,
+            exponent,
+        }],
     })
+}
+
+fn frame(normal: DVec3) -> Lobe {
+    Lobe::Frame {
+        normal,
+        material: 0,
+    }
+}
+
+fn fibre(tangent: DVec3) -> Lobe {
+    Lobe::Fibre {
+        tangent,
+        material: 0,
+    }
 }
 
 /// ∫ f over the sphere by midpoints; the poles at ±`axis`.
@@ -42,11 +59,11 @@ fn lobes(axis: DVec3) -> Vec<(Optics, Lobe)> {
     let mut lobes = vec![(optics(Phase::Isotropic, 0.0, 0.0, 1.0), Lobe::Isotropic)];
     for transmission in [0.0, 0.3, 1.0] {
         let optics = optics(Phase::FrameLambert, transmission, 0.0, 1.0);
-        lobes.push((optics, Lobe::Frame(axis)));
+        lobes.push((optics, frame(axis)));
     }
     for (specular, exponent) in [(0.0, 1.0), (1.0, 1.0), (0.4, 12.0), (1.0, 500.0)] {
         let optics = optics(Phase::KajiyaKay, 0.0, specular, exponent);
-        lobes.push((optics, Lobe::Fibre(axis)));
+        lobes.push((optics, fibre(axis)));
     }
     lobes.push((optics(Phase::Isotropic, 0.0, 0.0, 1.0), Lobe::Surface(axis)));
     lobes
@@ -103,7 +120,7 @@ fn samples_follow_the_value() {
 #[test]
 fn frame_lambert_reflects_and_lets_through() {
     let optics = optics(Phase::FrameLambert, 0.3, 0.0, 1.0);
-    let lobe = Lobe::Frame(DVec3::Z);
+    let lobe = frame(DVec3::Z);
     let view = DVec3::new(0.5, 0.0, 0.8).normalize();
     let light = DVec3::new(0.0, 0.6, 0.8);
     assert!((optics.value(lobe, view, light) - 0.7 * 0.8 / PI).abs() < 1e-7);
@@ -114,7 +131,7 @@ fn frame_lambert_reflects_and_lets_through() {
 #[test]
 fn kajiya_kay_has_its_highlight_cone() {
     let optics = optics(Phase::KajiyaKay, 0.0, 0.5, 40.0);
-    let lobe = Lobe::Fibre(DVec3::X);
+    let lobe = fibre(DVec3::X);
     let at = |theta: f64, phi: f64| {
         DVec3::new(
             theta.cos(),
@@ -181,7 +198,7 @@ fn fibres_follow_the_frame_of_their_loop() {
         let Some(vertex) = tracer.collision(&ray, &mut pcg, &mut scratch) else {
             continue;
         };
-        let Lobe::Fibre(tangent) = vertex.lobe else {
+        let Lobe::Fibre { tangent, .. } = vertex.lobe else {
             panic!("{vertex:?}")
         };
         // One of the loops at the point has this direction along v.
@@ -217,10 +234,10 @@ fn each_phase_makes_its_own_lobe() {
                 .expect("the towel is hit");
             match (phase, vertex.lobe) {
                 (Phase::Isotropic, Lobe::Isotropic) => {}
-                (Phase::FrameLambert, Lobe::Frame(normal)) => {
+                (Phase::FrameLambert, Lobe::Frame { normal, .. }) => {
                     assert!((normal.dot(vertex.normal).abs() - 1.0).abs() < 1e-12);
                 }
-                (Phase::KajiyaKay, Lobe::Fibre(tangent)) => {
+                (Phase::KajiyaKay, Lobe::Fibre { tangent, .. }) => {
                     assert!((tangent.length() - 1.0).abs() < 1e-12);
                 }
                 other => panic!("{other:?}"),

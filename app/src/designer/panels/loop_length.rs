@@ -2,7 +2,7 @@
 
 use egui::{Button, Ui};
 use renderer_core::design::{
-    ChartImage, Colour, Design, Length, LengthEntry, LengthMap, Pile, PileKind,
+    ChartImage, Colour, Design, Length, LengthEntry, LengthMap, Phase, Pile, PileKind,
 };
 use renderer_core::scene::{MonotoneCurve, OPAQUE_FROM, luma};
 
@@ -44,7 +44,7 @@ pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design) {
             number(ui, &fields.max, &mut length.max);
             curve(ui, state, length, design.chart.pixels.as_ref());
         }
-        LengthMap::Lut => table(ui, length, design.chart.pixels.as_ref()),
+        LengthMap::Lut => table(ui, length, &design.pile, design.chart.pixels.as_ref()),
     }
 }
 
@@ -102,7 +102,7 @@ fn sampled(chart: &ChartImage) -> impl Iterator<Item = [u8; 4]> {
         .filter(|pixel| pixel[3] >= OPAQUE_FROM)
 }
 
-fn table(ui: &mut Ui, length: &mut Length, chart: Option<&ChartImage>) {
+fn table(ui: &mut Ui, length: &mut Length, pile: &Pile, chart: Option<&ChartImage>) {
     let mut removed = None;
     for (index, entry) in length.table.iter_mut().enumerate() {
         ui.push_id(index, |ui| {
@@ -114,7 +114,7 @@ fn table(ui: &mut Ui, length: &mut Length, chart: Option<&ChartImage>) {
                     removed = Some(index);
                 }
             });
-            table_row(ui, entry);
+            table_row(ui, entry, pile);
         });
     }
     if let Some(index) = removed {
@@ -137,7 +137,7 @@ fn table(ui: &mut Ui, length: &mut Length, chart: Option<&ChartImage>) {
     });
 }
 
-fn table_row(ui: &mut Ui, entry: &mut LengthEntry) {
+fn table_row(ui: &mut Ui, entry: &mut LengthEntry, pile: &Pile) {
     let fields = LengthEntry::FIELDS;
     colour(
         ui,
@@ -147,14 +147,40 @@ fn table_row(ui: &mut Ui, entry: &mut LengthEntry) {
     );
     number(ui, &fields.length, &mut entry.length);
     number(ui, &fields.albedo_scale, &mut entry.albedo_scale);
-    let density = &Pile::FIELDS.density;
-    optional_number(
-        ui,
+    let of_pile = Pile::FIELDS;
+    let mut own = |label, field, value: &mut Option<f64>, pile_value| {
+        optional_number(ui, label, field, value, pile_value);
+    };
+    own(
         "Own density",
-        density,
+        &of_pile.density,
         &mut entry.density,
-        density.default,
+        pile.density,
     );
+    // Only the parameters that the pile's way of scattering has; a row keeps the others for when it changes.
+    match pile.phase {
+        Phase::Isotropic => {}
+        Phase::FrameLambert => own(
+            "Own transmission",
+            &of_pile.transmission,
+            &mut entry.transmission,
+            pile.transmission,
+        ),
+        Phase::KajiyaKay => {
+            own(
+                "Own specular",
+                &of_pile.specular,
+                &mut entry.specular,
+                pile.specular,
+            );
+            own(
+                "Own exponent",
+                &of_pile.exponent,
+                &mut entry.exponent,
+                pile.exponent,
+            );
+        }
+    }
     own_kind(ui, &mut entry.kind);
 }
 

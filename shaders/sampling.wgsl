@@ -68,7 +68,7 @@ fn set_at(bounce: u32, purpose: u32) -> u32 {
     return 16u * bounce + purpose;
 }
 
-fn sample_bits(seed_of_pixel: u32, sample: u32, set_number: u32) -> vec4<u32> {
+fn owen_bits(seed_of_pixel: u32, sample: u32, set_number: u32) -> vec4<u32> {
     let seed = hash_with(hash_with(seed_of_pixel, sample % SCRAMBLES), set_number);
     let point = sobol(owen_scramble(sample / SCRAMBLES, seed));
     return vec4<u32>(
@@ -79,8 +79,18 @@ fn sample_bits(seed_of_pixel: u32, sample: u32, set_number: u32) -> vec4<u32> {
     );
 }
 
+fn random_bits(seed_of_pixel: u32, sample: u32, set_number: u32) -> vec4<u32> {
+    let seed = hash_with(hash_with(seed_of_pixel, sample), set_number);
+    return vec4<u32>(hash_with(seed, 1u), hash_with(seed, 2u), hash_with(seed, 3u), hash_with(seed, 4u));
+}
+
 fn sample_set(seed_of_pixel: u32, sample: u32, set_number: u32) -> vec4<f32> {
-    let bits = sample_bits(seed_of_pixel, sample, set_number);
+    var bits: vec4<u32>;
+    if OWEN {
+        bits = owen_bits(seed_of_pixel, sample, set_number);
+    } else {
+        bits = random_bits(seed_of_pixel, sample, set_number);
+    }
     return vec4<f32>(unit_float(bits.x), unit_float(bits.y), unit_float(bits.z), unit_float(bits.w));
 }
 

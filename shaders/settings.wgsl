@@ -46,6 +46,10 @@ override SKELETON: u32 = 1u;
 override SUN_COUNT: u32 = 1u;
 // The environment gives light.
 override ENVIRONMENT: bool = true;
+// Rays towards lights are followed; else nothing is in their way.
+override SHADOWS: bool = true;
+// Random numbers are Owen-scrambled Sobol points; else independent.
+override OWEN: bool = true;
 // Also accumulate depth, normal and albedo.
 override AOV: bool = false;
 // Count rays, cells and tests.

@@ -16,6 +16,9 @@ fn add_total(which: u32, amount: u32) {
 
 // The share of light that reaches a scattering point from a direction.
 fn visibility(at: Scatter, towards_light: vec3<f32>, bounce: u32, random: ptr<function, Pcg>) -> f32 {
+    if !SHADOWS {
+        return 1.0;
+    }
     if COUNTERS {
         count_shadow_rays += 1u;
     }
@@ -92,7 +95,7 @@ fn trace_path(camera_ray: Ray, film: vec4<f32>, seed: u32, sample: u32) -> Path 
             path = Path(vec3<f32>(), at);
         } else if at.what == NOTHING {
             // After the first scattering of `single` and `layered` the environment has been counted already.
-            if METHOD == METHOD_TRACKED || bounce > 2u {
+            if SHADOWS && (METHOD == METHOD_TRACKED || bounce > 2u) {
                 path.radiance += throughput * environment_radiance();
             }
             break;
@@ -113,6 +116,13 @@ fn trace_path(camera_ray: Ray, film: vec4<f32>, seed: u32, sample: u32) -> Path 
         let onward = sample_set(seed, sample, set_at(bounce, SET_ONWARD));
         let drawn = draw_direction(at, towards_eye, onward.xy);
         throughput *= drawn.weight;
+        if !SHADOWS && (METHOD == METHOD_TRACKED || bounce > 1u) {
+            // Nothing is between the point and the environment: no ray needs to find out.
+            path.radiance += throughput * environment_radiance();
+            if bounce == slice.bounces {
+                break;
+            }
+        }
         if bounce >= 3u {
             let survival = min(max(max(throughput.x, throughput.y), throughput.z), 1.0);
             if onward.z >= survival {

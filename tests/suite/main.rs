@@ -22,6 +22,7 @@ mod reference;
 mod sampling;
 mod sections;
 mod shaders;
+mod shadows;
 mod skeleton;
 mod turbulence;
 mod volumes;

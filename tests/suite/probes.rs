@@ -2,6 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
+use renderer_core::design::Sampler;
 use renderer_core::geometry::{BilinearPatch, LoopFrame, Ray, Root};
 use renderer_core::gpu::layout::SceneConstants;
 use renderer_core::sampling::{self, Pcg, Set};
@@ -331,7 +332,7 @@ fn slopes_and_inversion_are_those_of_the_frame() {
 #[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
 #[repr(C)]
 struct SampleAnswer {
-    sets: [[[u32; 4]; 2]; 4],
+    sets: [[[u32; 4]; 3]; 4],
     free_paths: [u32; 4],
 }
 
@@ -370,8 +371,9 @@ fn random_numbers_are_equal_to_the_bit() {
         let expected = SampleAnswer {
             sets: sets.map(|set| {
                 [
-                    sampling::sample_bits(pixel, sample, set),
-                    sampling::sample(pixel, sample, set).map(f32::to_bits),
+                    sampling::owen_bits(pixel, sample, set),
+                    sampling::sample(Sampler::Owen, pixel, sample, set).map(f32::to_bits),
+                    sampling::random_bits(pixel, sample, set),
                 ]
             }),
             free_paths: [next(), next(), next(), 0],

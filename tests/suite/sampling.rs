@@ -3,8 +3,9 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
+use renderer_core::design::Sampler;
 use renderer_core::sampling::{
-    Pcg, SCRAMBLES, Set, directions, hash, pixel_seed, sample, sample_bits, sobol, unit_float,
+    Pcg, SCRAMBLES, Set, directions, hash, owen_bits, pixel_seed, sample, sobol, unit_float,
 };
 
 /// Sobol's direction numbers from Joe and Kuo's table, by the recurrence of their paper.
@@ -57,7 +58,7 @@ fn sobol_points_are_joe_and_kuos() {
 /// Points first..first + count of one scramble.
 fn scramble_points(seed: u32, scramble: u32, set: Set, first: u32, count: u32) -> Vec<[u32; 4]> {
     (first..first + count)
-        .map(|point| sample_bits(seed, SCRAMBLES * point + scramble, set))
+        .map(|point| owen_bits(seed, SCRAMBLES * point + scramble, set))
         .collect()
 }
 
@@ -125,7 +126,7 @@ fn rms_error(count: u32, mean: impl Fn(u32, u32) -> f64) -> f64 {
 fn owen_points_are_never_much_worse_than_random_on_dyadic_squares() {
     let owen = |seed, count| {
         let value = |k| {
-            let [x, y, ..] = sample(seed, SCRAMBLES * k, Set::Film);
+            let [x, y, ..] = sample(Sampler::Owen, seed, SCRAMBLES * k, Set::Film);
             checker([x, y])
         };
         (0..count).map(value).sum::<f64>() / f64::from(count)
@@ -163,6 +164,75 @@ fn owen_points_are_never_much_worse_than_random_on_dyadic_squares() {
     assert!(rms_error(256, random) > 0.02);
 }
 
+/// Samples of each pixel in [`columns_of`].
+const SAMPLES: usize = 16;
+
+/// Each dimension of each set less ½, for 4096 pixels with [`SAMPLES`] samples each.
+fn columns_of(sampler: Sampler, sets: &[Set]) -> Vec<Vec<f64>> {
+    let mut columns: Vec<Vec<f64>> = vec![Vec::new(); 4 * sets.len()];
+    for pixel in 0..4096 {
+        let seed = pixel_seed(11, [pixel % 64, pixel / 64]);
+        for number in 0..SAMPLES as u32 {
+            for (set_index, &set) in sets.iter().enumerate() {
+                let numbers = sample(sampler, seed, number, set);
+                for (dimension, x) in numbers.into_iter().enumerate() {
+                    columns[4 * set_index + dimension].push(f64::from(x) - 0.5);
+                }
+            }
+        }
+    }
+    columns
+}
+
+/// The correlation of independent uniform numbers has a deviation of 1/√count; five of them for some hundred pairs.
+fn assert_uncorrelated(a: &[f64], b: &[f64], what: &str) {
+    let (product, count) = (a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>(), a.len());
+    let correlation = 12.0 * product / count as f64;
+    let most = 5.0 / (count as f64).sqrt();
+    assert!(correlation.abs() < most, "{what}: {correlation}");
+}
+
+#[test]
+fn random_numbers_are_independent_in_every_way() {
+    let sets = [
+        Set::Film,
+        Set::Sun { bounce: 1, sun: 0 },
+        Set::Onward { bounce: 2 },
+    ];
+    let columns = columns_of(Sampler::Random, &sets);
+    for a in 0..columns.len() {
+        for b in 0..a {
+            assert_uncorrelated(&columns[a], &columns[b], &format!("{a} and {b}"));
+        }
+        // The next sample, the one that Owen points stratify it with (four on), and the next pixel.
+        for lag in [1, 4, SAMPLES] {
+            let later = &columns[a][lag..];
+            assert_uncorrelated(
+                &columns[a][..later.len()],
+                later,
+                &format!("{a}, lag {lag}"),
+            );
+        }
+        // Uniform: each of 64 bins holds its share, within five deviations of a binomial count.
+        let mut bins = [0.0; 64];
+        for x in &columns[a] {
+            bins[((x + 0.5) * 64.0) as usize] += 1.0;
+        }
+        let share = columns[a].len() as f64 / 64.0;
+        for count in bins {
+            assert!((count - share).abs() < 5.0 * share.sqrt(), "{a}: {bins:?}");
+        }
+    }
+    // Not stratified: of 16 numbers in 16 strata some stratum stays empty, but for 16!/16¹⁶ = 1e-6 of the pixels.
+    let full = columns[0].chunks(SAMPLES).filter(|numbers| {
+        let mut strata: Vec<_> = numbers.iter().map(|x| ((x + 0.5) * 16.0) as u32).collect();
+        strata.sort_unstable();
+        strata.dedup();
+        strata.len() == SAMPLES
+    });
+    assert!(full.count() <= 1);
+}
+
 #[test]
 fn sets_pixels_and_scrambles_are_independent() {
     let sets = [
@@ -188,37 +258,15 @@ fn sets_pixels_and_scrambles_are_independent() {
     numbers.dedup();
     assert_eq!(numbers.len(), all);
 
-    // Correlation of any two dimensions of different sets, over 4096 pixels with 16 samples each. The pairs of one pixel
-    // are stratified but paired at random, so that the correlation has a deviation of 1/√65536 at most; 5 of them
-    // for 16 · 15 pairs.
-    const PIXELS: u32 = 4096;
-    let mut columns: Vec<Vec<f64>> = vec![Vec::new(); 4 * sets.len()];
-    for pixel in 0..PIXELS {
-        let seed = pixel_seed(11, [pixel % 64, pixel / 64]);
-        for number in 0..16 {
-            for (set_index, &set) in sets.iter().enumerate() {
-                for (dimension, x) in sample(seed, number, set).into_iter().enumerate() {
-                    columns[4 * set_index + dimension].push(f64::from(x) - 0.5);
-                }
-            }
-        }
-    }
-    let count = columns[0].len() as f64;
+    // Any two dimensions of different sets: each is stratified in a pixel, but they are paired at random.
+    let columns = columns_of(Sampler::Owen, &sets);
     for a in 0..columns.len() {
-        for b in 0..a {
-            if a / 4 == b / 4 {
-                continue;
-            }
-            let product: f64 = columns[a].iter().zip(&columns[b]).map(|(x, y)| x * y).sum();
-            let correlation = 12.0 * product / count;
-            assert!(
-                correlation.abs() < 5.0 / count.sqrt(),
-                "{a} and {b}: {correlation}"
-            );
+        for b in (0..a).filter(|b| a / 4 != b / 4) {
+            assert_uncorrelated(&columns[a], &columns[b], &format!("{a} and {b}"));
         }
     }
     // Neighbouring pixels, the four scrambles of one, and another seed all differ.
-    let first = |seed: u32, pixel, number| sample_bits(pixel_seed(seed, pixel), number, Set::Film);
+    let first = |seed: u32, pixel, number| owen_bits(pixel_seed(seed, pixel), number, Set::Film);
     let mut starts = vec![
         first(1, [0, 0], 0),
         first(1, [1, 0], 0),

@@ -145,6 +145,8 @@ fn choices_change_their_sections_and_no_other() {
         ("view.tone_map", "filmic", &[]),
         ("view.cameras[0].distance", "100", &[]),
         ("quality.method", "single", &[]),
+        ("quality.sampler", "random", &[]),
+        ("quality.shadows", "false", &[]),
     ] {
         let found = changed_by(&small(), |design| {
             *design = preset::set(design, path, value).unwrap();

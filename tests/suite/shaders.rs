@@ -64,6 +64,8 @@ fn all_needs() -> Vec<SceneNeeds> {
                         root_blend: on(2),
                         suns: if on(3) { 8 } else { 0 },
                         environment: on(4),
+                        shadows: on(4) == on(6),
+                        owen: on(3) == on(5),
                         aov: on(5),
                         counters: on(6),
                         filter_f32: on(6),

@@ -49,7 +49,7 @@ fn probe_patches(@builtin(global_invocation_id) id: vec3<u32>) {
 
 // Pixel's seed, sample, set.
 @group(2) @binding(2) var<storage, read> sample_probes: array<vec4<u32>>;
-// Bits of the set, then as numbers, then three numbers of the free paths' generator.
+// Bits of each set, then as numbers, then independent bits; last three numbers of the free paths' generator.
 @group(2) @binding(3) var<storage, read_write> sample_answers: array<vec4<u32>>;
 
 @compute @workgroup_size(WORKGROUP)
@@ -65,10 +65,11 @@ fn probe_samples(@builtin(global_invocation_id) id: vec3<u32>) {
         let bounce = 1u + sample % 64u;
         let purpose = array<u32, 4>(0u, sample % 8u, SET_ENVIRONMENT, SET_ONWARD)[k];
         let set_number = select(set_at(bounce, purpose), SET_FILM, k == 0u);
-        sample_answers[9u * id.x + 2u * k] = sample_bits(seed, sample, set_number);
-        sample_answers[9u * id.x + 2u * k + 1u] = bitcast<vec4<u32>>(sample_set(seed, sample, set_number));
+        sample_answers[13u * id.x + 3u * k] = owen_bits(seed, sample, set_number);
+        sample_answers[13u * id.x + 3u * k + 1u] = bitcast<vec4<u32>>(sample_set(seed, sample, set_number));
+        sample_answers[13u * id.x + 3u * k + 2u] = random_bits(seed, sample, set_number);
     }
     var random = pcg_new(seed, sample);
     let numbers = vec4<f32>(pcg_next(&random), pcg_next(&random), pcg_next(&random), 0.0);
-    sample_answers[9u * id.x + 8u] = bitcast<vec4<u32>>(numbers);
+    sample_answers[13u * id.x + 12u] = bitcast<vec4<u32>>(numbers);
 }

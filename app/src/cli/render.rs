@@ -283,6 +283,8 @@ fn settings(design: &Design, arguments: &RenderArguments, format: &Format) -> Se
         samples,
         error,
         seed: arguments.seed.unwrap_or(preset.seed),
+        sampler: preset.sampler,
+        shadows: preset.shadows,
         aov: matches!(format, Format::Exr(layers) if layers.iter().any(|l| *l != ExrLayer::Alpha)),
         counters: arguments.counters,
     }

@@ -20,7 +20,9 @@ pub fn describe(before: &Design, after: &Design) -> String {
         light(before, after),
         view(before, after),
         numbers("quality", &before.quality, &after.quality)
-            .or_else(|| other(before.quality != after.quality, "method")),
+            .or_else(|| other(before.quality.method != after.quality.method, "method"))
+            .or_else(|| other(before.quality.sampler != after.quality.sampler, "sampler"))
+            .or_else(|| other(before.quality != after.quality, "shadows")),
     ];
     let mut parts = parts.into_iter().flatten();
     match (parts.next(), parts.next()) {

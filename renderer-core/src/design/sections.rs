@@ -693,6 +693,16 @@ choice! {
     }
 }
 
+choice! {
+    /// Where the random numbers of paths come from (MODEL.md §10). Free paths of `tracked` are independent either way.
+    Sampler {
+        /// Numbers that cover their range evenly: less noise at the same time.
+        Owen = "Owen-scrambled Sobol",
+        /// Independent numbers, for comparison.
+        Random = "random",
+    }
+}
+
 section! {
     /// How a final picture is made.
     Quality, QualityFields {
@@ -709,6 +719,10 @@ section! {
         others {
             /// How a ray gathers light.
             method: Method = Method::Tracked;
+            /// Where random numbers come from.
+            sampler: Sampler = Sampler::Owen;
+            /// Pile and ground weave shade each other; without, light reaches every point they scatter it from.
+            shadows: bool = true;
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What a picture needs of the shaders: the values of their `override` constants. Pipelines are cached by it.
 
-use crate::design::{Interpolation, Method, Phase, SkeletonHeight};
+use crate::design::{Interpolation, Method, Phase, Sampler, SkeletonHeight};
 use crate::render::Settings;
 use crate::scene::Scene;
 
@@ -27,6 +27,10 @@ pub struct SceneNeeds {
     pub suns: u32,
     /// The environment gives light.
     pub environment: bool,
+    /// Rays towards lights are followed.
+    pub shadows: bool,
+    /// Random numbers are Owen-scrambled Sobol points; else independent.
+    pub owen: bool,
     /// Depth, normal and albedo are accumulated.
     pub aov: bool,
     /// Work is counted.
@@ -48,6 +52,8 @@ impl SceneNeeds {
             skeleton: scene.skeleton.visible.then_some(scene.skeleton.height),
             suns: scene.lights.suns.len() as u32,
             environment: scene.lights.environment.iter().any(|&c| c > 0.0),
+            shadows: settings.shadows,
+            owen: settings.sampler == Sampler::Owen,
             aov: settings.aov,
             counters: settings.counters,
             filter_f32,
@@ -82,6 +88,8 @@ impl SceneNeeds {
             ("SKELETON", skeleton.into()),
             ("SUN_COUNT", self.suns.into()),
             flag("ENVIRONMENT", self.environment),
+            flag("SHADOWS", self.shadows),
+            flag("OWEN", self.owen),
             flag("AOV", self.aov),
             flag("COUNTERS", self.counters),
             flag("FILTER_F32", self.filter_f32),

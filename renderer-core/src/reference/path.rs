@@ -46,7 +46,8 @@ impl<'a> PathTracer<'a> {
     }
 
     fn random(&self, set: Set) -> [f64; 4] {
-        sampling::sample(self.seed, self.number, set).map(f64::from)
+        let sampler = self.tracer.settings.sampler;
+        sampling::sample(sampler, self.seed, self.number, set).map(f64::from)
     }
 
     /// The radiance along the camera's ray, and what it met first.
@@ -92,12 +93,20 @@ impl<'a> PathTracer<'a> {
             radiance += throughput * vertex.albedo * light;
 
             let gathers_environment = !composited && environment != DVec3::ZERO;
+            // Without shadows the environment's light needs no ray to find out whether it arrives.
+            let follows_environment = gathers_environment && tracer.settings.shadows;
             if bounce == bounces && !gathers_environment {
                 break;
             }
             let [u, v, survival, _] = self.random(Set::Onward { bounce });
             let (direction, weight) = tracer.optics.sample(vertex.lobe, view, [u, v]);
             throughput *= vertex.albedo * weight;
+            if gathers_environment && !follows_environment {
+                radiance += throughput * environment;
+                if bounce == bounces {
+                    break;
+                }
+            }
             if bounce >= ROULETTE_FROM {
                 let chance = throughput.max_element().min(1.0);
                 if survival >= chance {
@@ -109,7 +118,7 @@ impl<'a> PathTracer<'a> {
             match tracer.collision(&onward, &mut self.pcg, self.scratch) {
                 Some(next) => (vertex, view) = (next, -direction),
                 None => {
-                    if gathers_environment {
+                    if follows_environment {
                         radiance += throughput * environment;
                     }
                     break;
@@ -154,7 +163,9 @@ impl<'a> PathTracer<'a> {
     }
 
     fn visibility(&mut self, ray: &Ray, composited: bool) -> f64 {
-        if composited {
+        if !self.tracer.settings.shadows {
+            1.0
+        } else if composited {
             self.tracer.composited_visibility(ray, self.scratch)
         } else {
             self.tracer

@@ -14,7 +14,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-use crate::design::{Method, Quality};
+use crate::design::{Method, Quality, Sampler};
 use crate::image::Picture;
 use crate::scene::Scene;
 
@@ -49,6 +49,10 @@ pub struct Settings {
     pub error: f64,
     /// Seed of all random numbers.
     pub seed: u32,
+    /// Where random numbers come from.
+    pub sampler: Sampler,
+    /// Rays towards lights are followed; else nothing is in their way.
+    pub shadows: bool,
     /// Also accumulate depth, normal and albedo of the first scattering.
     pub aov: bool,
     /// Count rays, cells, patch tests and so on; costs time.
@@ -63,6 +67,8 @@ impl From<&Quality> for Settings {
             samples,
             error,
             seed,
+            sampler,
+            shadows,
         } = *quality;
         Self {
             method,
@@ -70,6 +76,8 @@ impl From<&Quality> for Settings {
             samples,
             error,
             seed,
+            sampler,
+            shadows,
             aov: false,
             counters: false,
         }

@@ -5,10 +5,14 @@
 //! index (Burley, "Practical Hash-based Owen Scrambling", JCGT 2020). Sample k of a picture belongs to scramble
 //! k mod 4, point k div 4 of it: four independent estimates whose spread is the error estimate (MODEL.md §10).
 //!
+//! For comparison there are independent numbers as well, a hash of pixel, sample, set and dimension ([`random_bits`]).
+//!
 //! Which set serves what ([`Set`]): set 0 places the ray; every scattering has its own sets for each light and for
 //! the way on. Free paths of `tracked` come from [`Pcg`], since their number has no bound.
 
 pub mod directions;
+
+use crate::design::Sampler;
 
 /// Scrambles of every picture.
 pub const SCRAMBLES: u32 = 4;
@@ -113,8 +117,9 @@ pub fn sobol(index: u32) -> [u32; 4] {
     point
 }
 
-/// The four numbers in [0, 2³²) of a set, for sample `sample` of the pixel with seed `pixel_seed`.
-pub fn sample_bits(pixel_seed: u32, sample: u32, set: Set) -> [u32; 4] {
+/// The four numbers in [0, 2³²) of a set, for sample `sample` of the pixel with seed `pixel_seed`: a point of the
+/// sample's scramble.
+pub fn owen_bits(pixel_seed: u32, sample: u32, set: Set) -> [u32; 4] {
     let seed = hash_with(hash_with(pixel_seed, sample % SCRAMBLES), set.number());
     let mut point = sobol(owen_scramble(sample / SCRAMBLES, seed));
     for (dimension, value) in point.iter_mut().enumerate() {
@@ -123,9 +128,19 @@ pub fn sample_bits(pixel_seed: u32, sample: u32, set: Set) -> [u32; 4] {
     point
 }
 
-/// The same as [`sample_bits`], as numbers in [0, 1).
-pub fn sample(pixel_seed: u32, sample_index: u32, set: Set) -> [f32; 4] {
-    sample_bits(pixel_seed, sample_index, set).map(unit_float)
+/// As [`owen_bits`], but independent of each other and of all other samples.
+pub fn random_bits(pixel_seed: u32, sample: u32, set: Set) -> [u32; 4] {
+    let seed = hash_with(hash_with(pixel_seed, sample), set.number());
+    [1, 2, 3, 4].map(|dimension| hash_with(seed, dimension))
+}
+
+/// The four numbers of a set in [0, 1), from `sampler`.
+pub fn sample(sampler: Sampler, pixel_seed: u32, sample_index: u32, set: Set) -> [f32; 4] {
+    let bits = match sampler {
+        Sampler::Owen => owen_bits(pixel_seed, sample_index, set),
+        Sampler::Random => random_bits(pixel_seed, sample_index, set),
+    };
+    bits.map(unit_float)
 }
 
 /// 24 high bits as a number in [0, 1), exact in f32.

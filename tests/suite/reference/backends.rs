@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use glam::DVec3;
 use renderer_core::cpu::CpuBackend;
-use renderer_core::design::{CameraDesign, Design, Interpolation, Method};
+use renderer_core::design::{CameraDesign, Design, Interpolation, Method, Sampler};
 use renderer_core::image::Picture;
 use renderer_core::reference::ReferenceBackend;
 use renderer_core::render::accumulation::{Accumulation, Pass, Sample};
@@ -43,6 +43,8 @@ fn request(method: Method) -> RenderRequest {
             samples: 5,
             error: 0.0,
             seed: 7,
+            sampler: Sampler::Owen,
+            shadows: true,
             aov: true,
             counters: true,
         },

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 use renderer_core::design::{
-    Back, CameraDesign, Design, Interpolation, Method, Pattern, Phase, PileKind,
+    Back, CameraDesign, Design, Interpolation, Method, Pattern, Phase, PileKind, Sampler,
 };
 use renderer_core::geometry::{BilinearPatch, LoopFrame, Ray};
 use renderer_core::reference::Tracer;
@@ -127,6 +127,8 @@ pub fn request(scene: Scene, method: Method, bounces: u32) -> RenderRequest {
             samples: 1,
             error: 0.0,
             seed: 1,
+            sampler: Sampler::Owen,
+            shadows: true,
             aov: false,
             counters: true,
         },

@@ -6,7 +6,9 @@ use renderer_core::design::{CameraDesign, Design, Field, Quality, View};
 use super::Surroundings;
 use crate::designer::command::Command;
 use crate::designer::style::ROW_HEIGHT;
-use crate::designer::widgets::{choice, number, number_value, optional_number, row, subheading};
+use crate::designer::widgets::{
+    check, choice, number, number_value, optional_number, row, subheading,
+};
 
 /// Height of an orthographic picture; no part of the camera's own table because a camera need not have it.
 const ORTHOGRAPHIC_HEIGHT: Field = Field {
@@ -54,6 +56,18 @@ pub fn show(ui: &mut Ui, design: &mut Design, around: &mut Surroundings<'_>) {
     number(ui, &fields.samples, &mut quality.samples);
     number(ui, &fields.error, &mut quality.error);
     number(ui, &fields.seed, &mut quality.seed);
+    choice(
+        ui,
+        "Sampler",
+        "Where random numbers come from.",
+        &mut quality.sampler,
+    );
+    check(
+        ui,
+        "Shadows",
+        "Pile and ground weave shade each other; without, light reaches every point they scatter it from.",
+        &mut quality.shadows,
+    );
 }
 
 fn cameras(ui: &mut Ui, view: &mut View, around: &mut Surroundings<'_>) {

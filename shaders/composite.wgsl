@@ -74,11 +74,17 @@ fn pile_scatter(ray: Ray, hit: Gathered, index: u32) -> Scatter {
     let shape = load_patch(index);
     let normal = patch_normal(shape);
     let yarn = load_yarn(index);
-    var tangent = vec3<f32>();
+    let point = ray.origin + hit.t * ray.direction;
+    var at = Scatter(PILE, ray.cell, point, hit.t, normal, vec3<f32>(), 0.0, yarn.albedo * hit.shade, yarn.material);
     if PHASE == PHASE_KAJIYA_KAY {
-        tangent = fibre_tangent(shape, normal, yarn, hit.at);
+        at.axis = fibre_tangent(shape, normal, yarn, hit.at);
     }
-    return Scatter(PILE, ray.cell, ray.origin + hit.t * ray.direction, hit.t, normal, tangent, yarn.albedo * hit.shade, yarn.material);
+    if PHASE == PHASE_GRADIENT_LAMBERT {
+        let surface = density_surface(shape, normal, yarn, hit.at);
+        at.axis = surface.xyz;
+        at.surfaceness = surface.w;
+    }
+    return at;
 }
 
 // The first event at which the transmittance falls below `threshold` in (0, 1]: an event is chosen with probability

@@ -42,7 +42,7 @@ fn highlight_normalisation(row: u32, cos_eye: f32) -> f32 {
 }
 
 fn kajiya_kay(at: Scatter, towards_eye: vec3<f32>, towards_light: vec3<f32>) -> f32 {
-    let tangent = at.tangent;
+    let tangent = at.axis;
     let specular = scene.materials[at.material].specular;
     let exponent = scene.materials[at.material].exponent;
     let row = scene.materials[at.material].highlight_row;
@@ -59,17 +59,38 @@ fn kajiya_kay(at: Scatter, towards_eye: vec3<f32>, towards_light: vec3<f32>) -> 
     return mix(sin_light / (PI * PI), highlight, specular);
 }
 
+// A small Lambertian surface that lets a share of the light through.
+fn two_sided(at: Scatter, normal: vec3<f32>, towards_eye: vec3<f32>, towards_light: vec3<f32>) -> f32 {
+    let cos_light = dot(normal, towards_light);
+    let same_side = cos_light * dot(normal, towards_eye) > 0.0;
+    let transmission = scene.materials[at.material].transmission;
+    let share = select(transmission, 1.0 - transmission, same_side);
+    return share * abs(cos_light) / PI;
+}
+
+// A direction with density two_sided.
+fn two_sided_direction(at: Scatter, normal: vec3<f32>, towards_eye: vec3<f32>, u: vec2<f32>) -> vec3<f32> {
+    let eye_side = select(-1.0, 1.0, dot(normal, towards_eye) >= 0.0) * normal;
+    let transmission = scene.materials[at.material].transmission;
+    let reflected = 1.0 - transmission;
+    if u.x < reflected {
+        return cosine_about(eye_side, vec2<f32>(u.x / reflected, u.y));
+    }
+    let rest = clamp((u.x - reflected) / max(transmission, 1.0e-6), 0.0, 1.0);
+    return cosine_about(-eye_side, vec2<f32>(rest, u.y));
+}
+
 // Light scattered towards the eye for light of unit irradiance from one direction: ψ, or albedo/π·cos for ground yarns.
 fn scattered(at: Scatter, towards_eye: vec3<f32>, towards_light: vec3<f32>) -> vec3<f32> {
-    let cos_light = dot(at.normal, towards_light);
     if at.what == GROUND {
-        return at.albedo * (max(cos_light, 0.0) / PI);
+        return at.albedo * (max(dot(at.normal, towards_light), 0.0) / PI);
     }
     if PHASE == PHASE_FRAME_LAMBERT {
-        let same_side = cos_light * dot(at.normal, towards_eye) > 0.0;
-        let transmission = scene.materials[at.material].transmission;
-        let share = select(transmission, 1.0 - transmission, same_side);
-        return at.albedo * (share * abs(cos_light) / PI);
+        return at.albedo * two_sided(at, at.normal, towards_eye, towards_light);
+    }
+    if PHASE == PHASE_GRADIENT_LAMBERT {
+        let surface = two_sided(at, at.axis, towards_eye, towards_light);
+        return at.albedo * mix(0.25 / PI, surface, at.surfaceness);
     }
     if PHASE == PHASE_KAJIYA_KAY {
         return at.albedo * kajiya_kay(at, towards_eye, towards_light);
@@ -89,14 +110,15 @@ fn draw_direction(at: Scatter, towards_eye: vec3<f32>, u: vec2<f32>) -> Drawn {
         return Drawn(cosine_about(at.normal, u), at.albedo);
     }
     if PHASE == PHASE_FRAME_LAMBERT {
-        let eye_side = select(-1.0, 1.0, dot(at.normal, towards_eye) >= 0.0) * at.normal;
-        let transmission = scene.materials[at.material].transmission;
-        let reflected = 1.0 - transmission;
-        if u.x < reflected {
-            return Drawn(cosine_about(eye_side, vec2<f32>(u.x / reflected, u.y)), at.albedo);
+        return Drawn(two_sided_direction(at, at.normal, towards_eye, u), at.albedo);
+    }
+    if PHASE == PHASE_GRADIENT_LAMBERT {
+        if u.x < at.surfaceness {
+            let rest = vec2<f32>(u.x / at.surfaceness, u.y);
+            return Drawn(two_sided_direction(at, at.axis, towards_eye, rest), at.albedo);
         }
-        let rest = clamp((u.x - reflected) / max(transmission, 1.0e-6), 0.0, 1.0);
-        return Drawn(cosine_about(-eye_side, vec2<f32>(rest, u.y)), at.albedo);
+        let rest = clamp((u.x - at.surfaceness) / max(1.0 - at.surfaceness, 1.0e-6), 0.0, 1.0);
+        return Drawn(uniform_on_sphere(vec2<f32>(rest, u.y)), at.albedo);
     }
     let direction = uniform_on_sphere(u);
     if PHASE == PHASE_KAJIYA_KAY {

@@ -13,7 +13,7 @@ struct Material {
     density: f32,
     // Index of the kind of pile.
     kind: u32,
-    // k of frame_lambert.
+    // k of frame_lambert and gradient_lambert.
     transmission: f32,
     // s of kajiya_kay.
     specular: f32,
@@ -102,8 +102,10 @@ struct Scatter {
     t: f32,
     // n̂ of the loop or outward normal of the ground yarn.
     normal: vec3<f32>,
-    // Unit tangent of the fibre; only for PHASE_KAJIYA_KAY.
-    tangent: vec3<f32>,
+    // Unit tangent of the fibre for PHASE_KAJIYA_KAY; out of the yarn, −∇ρ/|∇ρ|, for PHASE_GRADIENT_LAMBERT.
+    axis: vec3<f32>,
+    // How much of a surface it is, for PHASE_GRADIENT_LAMBERT: 0 scatters evenly.
+    surfaceness: f32,
     // Single-scatter or diffuse albedo.
     albedo: vec3<f32>,
     // Index of the loop's material.
@@ -111,5 +113,5 @@ struct Scatter {
 }
 
 fn no_scatter() -> Scatter {
-    return Scatter(NOTHING, vec2<i32>(), vec3<f32>(), 0.0, vec3<f32>(), vec3<f32>(), vec3<f32>(), 0u);
+    return Scatter(NOTHING, vec2<i32>(), vec3<f32>(), 0.0, vec3<f32>(), vec3<f32>(), 0.0, vec3<f32>(), 0u);
 }

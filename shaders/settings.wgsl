@@ -8,6 +8,7 @@ const METHOD_TRACKED: u32 = 2u;
 const PHASE_ISOTROPIC: u32 = 0u;
 const PHASE_FRAME_LAMBERT: u32 = 1u;
 const PHASE_KAJIYA_KAY: u32 = 2u;
+const PHASE_GRADIENT_LAMBERT: u32 = 3u;
 
 const SKELETON_NONE: u32 = 0u;
 const SKELETON_WINDING: u32 = 1u;

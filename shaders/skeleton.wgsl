@@ -257,5 +257,5 @@ fn ground_along(ray: Ray, t_to: f32) -> YarnHit {
 fn ground_scatter(ray: Ray, hit: YarnHit) -> Scatter {
     let facing = select(-1.0, 1.0, dot(hit.normal, ray.direction) <= 0.0) * hit.normal;
     let lift = YARN_LIFT * min(scene.yarn_radius.x, scene.yarn_radius.y);
-    return Scatter(GROUND, hit.cell, hit.point + lift * facing, hit.t, facing, vec3<f32>(), scene.skeleton_albedo.xyz, 0u);
+    return Scatter(GROUND, hit.cell, hit.point + lift * facing, hit.t, facing, vec3<f32>(), 0.0, scene.skeleton_albedo.xyz, 0u);
 }

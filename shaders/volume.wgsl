@@ -119,3 +119,35 @@ fn fibre_tangent(shape: Patch, normal: vec3<f32>, yarn: Yarn, at: vec3<f32>) -> 
     let tangent = along_u * uvw.x + along_v * uvw.y + normal * (scene.thickness * uvw.z);
     return tangent * inverseSqrt(max(dot(tangent, tangent), 1.0e-30));
 }
+
+// For PHASE_GRADIENT_LAMBERT: unit vector down the slope of a loop's density, without its fade towards the root, and
+// how much of a surface that slope makes, x²/(1 + x²) with x the change of ρ over the loop's thickness.
+fn density_surface(shape: Patch, normal: vec3<f32>, yarn: Yarn, at: vec3<f32>) -> vec4<f32> {
+    // Central differences: a voxel to each side along u and v, a layer to each side along w.
+    let voxel = 1.0 / scene.resolution;
+    let per_layer = 1.0 / f32(LAYERS);
+    var slope = vec3<f32>();
+    for (var axis = 0u; axis < 3u; axis++) {
+        let is_axis = vec3<u32>(axis) == vec3<u32>(0u, 1u, 2u);
+        let half_step = select(vec3<f32>(), vec3<f32>(voxel, voxel, per_layer), is_axis);
+        let ahead = at + half_step;
+        let behind = at - half_step;
+        let more = filter_voxels(voxels, yarn.first_slice, ahead.x, ahead.y, layer_at(ahead.z)).x;
+        let less = filter_voxels(voxels, yarn.first_slice, behind.x, behind.y, layer_at(behind.z)).x;
+        slope = select(slope, vec3<f32>(more - less), is_axis);
+    }
+    slope *= 0.5 * vec3<f32>(scene.resolution, scene.resolution, f32(LAYERS));
+    // J⁻ᵀ: the gradient in world space, 1/mm.
+    let spread = shape.half_top - shape.half_base;
+    let along_u = 2.0 * (shape.half_base + at.y * spread);
+    let along_v = shape.axis + (2.0 * at.x - 1.0) * spread;
+    let along_w = scene.thickness * normal;
+    let volume = max(dot(cross(along_u, along_v), along_w), SMALLEST_AREA * scene.thickness);
+    let across_u = cross(along_v, along_w);
+    let across_v = cross(along_w, along_u);
+    let across_w = cross(along_u, along_v);
+    let gradient = (slope.x * across_u + slope.y * across_v + slope.z * across_w) / volume;
+    let steepness = length(gradient);
+    let x = steepness * scene.thickness;
+    return vec4<f32>(-gradient / max(steepness, 1.0e-12), x * x / (1.0 + x * x));
+}

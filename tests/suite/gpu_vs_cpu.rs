@@ -55,6 +55,18 @@ fn single_and_layered_draw_the_same_samples_with_every_phase_and_skeleton() {
             SkeletonHeight::Paper,
             Interpolation::Linear,
         ),
+        (
+            Method::Single,
+            Phase::GradientLambert,
+            SkeletonHeight::Winding,
+            Interpolation::Linear,
+        ),
+        (
+            Method::Layered,
+            Phase::GradientLambert,
+            SkeletonHeight::Winding,
+            Interpolation::Nearest,
+        ),
     ] {
         design.quality.method = method;
         design.pile.phase = phase;

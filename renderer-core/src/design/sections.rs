@@ -198,7 +198,7 @@ section! {
             /// Kind of pile instead of `pile.kind`.
             #[serde(skip_serializing_if = "Option::is_none")]
             kind: Option<PileKind> = None;
-            /// Share of light that passes through instead of `pile.transmission`, for frame Lambert.
+            /// Share of light that passes through instead of `pile.transmission`, for frame and gradient Lambert.
             #[serde(skip_serializing_if = "Option::is_none")]
             transmission: Option<f64> = None;
             /// Share of light in the highlight instead of `pile.specular`, for Kajiya-Kay.
@@ -339,6 +339,8 @@ choice! {
         Isotropic = "isotropic",
         /// As a small Lambertian surface that faces the loop's normal; part of the light is let through.
         FrameLambert = "frame Lambert",
+        /// As a small Lambertian surface that faces out of the yarn, down the slope of its density; part of the light is let through.
+        GradientLambert = "gradient Lambert",
         /// As a fibre: diffuse about its direction, with a highlight cone (Kajiya and Kay).
         KajiyaKay = "Kajiya-Kay",
     }
@@ -394,7 +396,7 @@ section! {
             twist_jitter: f64 = 14.0, 0.0..=143.0, "°";
             /// Independent random share of each loop's length.
             length_jitter: f64 = 0.08, 0.0..=1.0, "";
-            /// Share of light that passes through, for frame Lambert.
+            /// Share of light that passes through, for frame and gradient Lambert.
             transmission: f64 = 0.5, 0.0..=1.0, "";
             /// Share of light in the highlight, for Kajiya-Kay.
             specular: f64 = 0.1, 0.0..=1.0, "";

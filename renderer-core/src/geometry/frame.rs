@@ -77,6 +77,16 @@ impl LoopFrame {
         }
     }
 
+    /// J⁻ᵀ·`slopes` at (u, v): the gradient in space, per mm, of something with these derivatives by u, v and w.
+    pub fn gradient(&self, u: f64, v: f64, slopes: DVec3) -> DVec3 {
+        let [along_u, along_v, along_w] = self.jacobian(u, v);
+        let volume = along_u.cross(along_v).dot(along_w);
+        (along_v.cross(along_w) * slopes.x
+            + along_w.cross(along_u) * slopes.y
+            + along_u.cross(along_v) * slopes.z)
+            / volume
+    }
+
     /// (α, β): the part of A in the plane of b and c is αb + βc.
     pub fn skew(&self) -> [f64; 2] {
         self.skew

@@ -58,6 +58,8 @@ constants! {
     PHASE_FRAME_LAMBERT = 1;
     /// PHASE for `kajiya_kay`.
     PHASE_KAJIYA_KAY = 2;
+    /// PHASE for `gradient_lambert`.
+    PHASE_GRADIENT_LAMBERT = 3;
     /// SKELETON for none.
     SKELETON_NONE = 0;
     /// SKELETON for tubes.
@@ -129,7 +131,7 @@ mirrors! {
         density: f32,
         /// Kind of pile.
         kind: u32,
-        /// k of `frame_lambert`.
+        /// k of `frame_lambert` and `gradient_lambert`.
         transmission: f32,
         /// s of `kajiya_kay`.
         specular: f32,

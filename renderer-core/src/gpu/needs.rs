@@ -71,6 +71,7 @@ impl SceneNeeds {
             Phase::Isotropic => layout::PHASE_ISOTROPIC,
             Phase::FrameLambert => layout::PHASE_FRAME_LAMBERT,
             Phase::KajiyaKay => layout::PHASE_KAJIYA_KAY,
+            Phase::GradientLambert => layout::PHASE_GRADIENT_LAMBERT,
         };
         let skeleton = match self.skeleton {
             None => layout::SKELETON_NONE,

@@ -64,6 +64,11 @@ impl Tracer {
                     material,
                 }
             }
+            Phase::GradientLambert => {
+                let slopes = self.volume(place).slopes(inside);
+                let gradient = frame.gradient(inside[0], inside[1], slopes);
+                Lobe::gradient(gradient, frame.thickness, material)
+            }
         };
         let albedo = DVec3::from_array(look.albedo());
         Vertex {

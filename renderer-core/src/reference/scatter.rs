@@ -27,6 +27,15 @@ pub enum Lobe {
         /// Index of the loop's material.
         material: usize,
     },
+    /// In this share as a small two-sided Lambertian surface, in the rest equally to all sides.
+    Gradient {
+        /// Unit vector down the slope of the density.
+        normal: DVec3,
+        /// How much of a surface it is.
+        share: f64,
+        /// Index of the loop's material.
+        material: usize,
+    },
     /// As a fibre.
     Fibre {
         /// Its unit tangent.
@@ -36,6 +45,22 @@ pub enum Lobe {
     },
     /// As an opaque Lambertian surface with this unit normal.
     Surface(DVec3),
+}
+
+impl Lobe {
+    /// Of `gradient_lambert` where ρ changes by `gradient` per mm: the surface faces n = −∇ρ/|∇ρ|, and is one in the share
+    /// x²/(1 + x²), where x = |∇ρ|·`thickness` is how much ρ changes over the loop's thickness. A yarn's skin, where ρ
+    /// falls from 1 to 0 over an eighth of the thickness or less, is all surface; a density that takes the whole thickness
+    /// for it is none. Where ∇ρ vanishes, and n with it, so does the share.
+    pub fn gradient(gradient: DVec3, thickness: f64, material: usize) -> Self {
+        let steepness = gradient.length();
+        let x = steepness * thickness;
+        Self::Gradient {
+            normal: (-gradient).normalize_or(DVec3::Z),
+            share: x * x / (1.0 + x * x),
+            material,
+        }
+    }
 }
 
 /// A point that scatters light.
@@ -76,7 +101,7 @@ pub struct Optics {
 /// The parameters of one material.
 #[derive(Debug, Clone, Copy)]
 struct Parameters {
-    /// k of `frame_lambert`.
+    /// k of `frame_lambert` and `gradient_lambert`.
     transmission: f64,
     /// s and p of `kajiya_kay`.
     specular: f64,
@@ -108,7 +133,7 @@ impl Optics {
             materials,
             highlight_norms: match pile.phase {
                 Phase::KajiyaKay => exponents.into_iter().map(highlight_norms).collect(),
-                Phase::Isotropic | Phase::FrameLambert => Vec::new(),
+                Phase::Isotropic | Phase::FrameLambert | Phase::GradientLambert => Vec::new(),
             },
         }
     }
@@ -124,13 +149,16 @@ impl Optics {
             Lobe::Isotropic => 0.25 * FRAC_1_PI,
             Lobe::Frame { normal, material } => {
                 let transmission = self.materials[material].transmission;
-                let (to_light, to_view) = (normal.dot(light), normal.dot(view));
-                let share = if to_light * to_view > 0.0 {
-                    1.0 - transmission
-                } else {
-                    transmission
-                };
-                share * to_light.abs() * FRAC_1_PI
+                two_sided(normal, transmission, view, light)
+            }
+            Lobe::Gradient {
+                normal,
+                share,
+                material,
+            } => {
+                let transmission = self.materials[material].transmission;
+                let surface = two_sided(normal, transmission, view, light);
+                share * surface + (1.0 - share) * 0.25 * FRAC_1_PI
             }
             Lobe::Fibre { tangent, material } => {
                 let fibre = self.materials[material];
@@ -153,16 +181,19 @@ impl Optics {
             Lobe::Isotropic => (directions::sphere(u, v), 1.0),
             Lobe::Frame { normal, material } => {
                 let transmission = self.materials[material].transmission;
-                let near = if normal.dot(view) > 0.0 {
-                    normal
+                let direction = two_sided_direction(normal, transmission, view, [u, v]);
+                (direction, 1.0)
+            }
+            Lobe::Gradient {
+                normal,
+                share,
+                material,
+            } => {
+                let transmission = self.materials[material].transmission;
+                let direction = if u < share {
+                    two_sided_direction(normal, transmission, view, [u / share, v])
                 } else {
-                    -normal
-                };
-                let reflected = 1.0 - transmission;
-                let direction = if u < reflected {
-                    directions::cosine_hemisphere(near, u / reflected, v)
-                } else {
-                    directions::cosine_hemisphere(-near, (u - reflected) / transmission, v)
+                    directions::sphere((u - share) / (1.0 - share), v)
                 };
                 (direction, 1.0)
             }
@@ -182,6 +213,32 @@ impl Optics {
         let near = (x as usize).min(last - 1);
         let share = x - near as f64;
         norms[near] * (1.0 - share) + norms[near + 1] * share
+    }
+}
+
+/// A small Lambertian surface that lets the share `transmission` of the light through.
+fn two_sided(normal: DVec3, transmission: f64, view: DVec3, light: DVec3) -> f64 {
+    let (to_light, to_view) = (normal.dot(light), normal.dot(view));
+    let share = if to_light * to_view > 0.0 {
+        1.0 - transmission
+    } else {
+        transmission
+    };
+    share * to_light.abs() * FRAC_1_PI
+}
+
+/// A direction with the density of [`two_sided`].
+fn two_sided_direction(normal: DVec3, transmission: f64, view: DVec3, [u, v]: [f64; 2]) -> DVec3 {
+    let near = if normal.dot(view) > 0.0 {
+        normal
+    } else {
+        -normal
+    };
+    let reflected = 1.0 - transmission;
+    if u < reflected {
+        directions::cosine_hemisphere(near, u / reflected, v)
+    } else {
+        directions::cosine_hemisphere(-near, (u - reflected) / transmission, v)
     }
 }
 

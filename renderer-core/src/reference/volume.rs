@@ -118,6 +118,29 @@ impl<'a> LoopVolume<'a> {
         }
     }
 
+    /// ∂ρ/∂u, ∂ρ/∂v and ∂ρ/∂w at (u, v, w), without the fade towards the root: central differences, a voxel to each side
+    /// along u and v, a layer to each side along w; beyond the volume its border goes on.
+    pub fn slopes(&self, place: [f64; 3]) -> DVec3 {
+        let rho = |place| -> f64 {
+            let weighted =
+                |(voxel, weight): (usize, f64)| weight * f64::from(self.volumes.voxels[voxel][0]);
+            self.around(place).map(weighted).iter().sum::<f64>() / 255.0
+        };
+        let side = self.volumes.resolution;
+        let along = |axis: usize, count: u32| {
+            let step = 1.0 / f64::from(count);
+            let (mut ahead, mut behind) = (place, place);
+            ahead[axis] += step;
+            behind[axis] -= step;
+            (rho(ahead) - rho(behind)) / (2.0 * step)
+        };
+        DVec3::new(
+            along(0, side),
+            along(1, side),
+            along(2, self.volumes.layers),
+        )
+    }
+
     /// The fibre's direction at (u, v, w) in the coordinates (u, v, w), not normalised: the main axis of the mean ttᵀ.
     pub fn tangent(&self, place: [f64; 3]) -> DVec3 {
         let mut sums = [0.0; 6];

@@ -278,7 +278,7 @@ impl VolumesInputs {
             // Only fibres need their directions in the volumes.
             phase: match design.pile.phase {
                 Phase::KajiyaKay => Phase::KajiyaKay,
-                Phase::Isotropic | Phase::FrameLambert => defaults.phase,
+                Phase::Isotropic | Phase::FrameLambert | Phase::GradientLambert => defaults.phase,
             },
             ..design.pile.clone()
         };

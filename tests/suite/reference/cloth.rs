@@ -112,7 +112,7 @@ pub fn sun(towards: DVec3, radius: f64) -> SunLight {
     }
 }
 
-pub const ALL_PHASES: [Phase; 3] = [Phase::Isotropic, Phase::FrameLambert, Phase::KajiyaKay];
+pub const ALL_PHASES: &[Phase] = Phase::ALL;
 
 /// A request for 64 × 64 pixels by the default camera.
 pub fn request(scene: Scene, method: Method, bounces: u32) -> RenderRequest {

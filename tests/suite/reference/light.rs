@@ -208,7 +208,7 @@ fn furnace(phase: Phase) -> Scene {
 
 #[test]
 fn the_furnace_shows_no_cloth() {
-    for phase in ALL_PHASES {
+    for &phase in ALL_PHASES {
         let mut request = request(furnace(phase), Method::Tracked, 64);
         request.size = [16, 16];
         request.camera.eye *= 0.07;

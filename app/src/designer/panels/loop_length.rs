@@ -160,7 +160,7 @@ fn table_row(ui: &mut Ui, entry: &mut LengthEntry, pile: &Pile) {
     // Only the parameters that the pile's way of scattering has; a row keeps the others for when it changes.
     match pile.phase {
         Phase::Isotropic => {}
-        Phase::FrameLambert => own(
+        Phase::FrameLambert | Phase::GradientLambert => own(
             "Own transmission",
             &of_pile.transmission,
             &mut entry.transmission,

@@ -39,9 +39,12 @@ pub fn show(ui: &mut Ui, pile: &mut Pile) {
         &mut pile.phase,
     );
     number(ui, &fields.max_albedo, &mut pile.max_albedo);
-    ui.add_enabled_ui(pile.phase == Phase::FrameLambert, |ui| {
-        number(ui, &fields.transmission, &mut pile.transmission);
-    });
+    ui.add_enabled_ui(
+        matches!(pile.phase, Phase::FrameLambert | Phase::GradientLambert),
+        |ui| {
+            number(ui, &fields.transmission, &mut pile.transmission);
+        },
+    );
     ui.add_enabled_ui(pile.phase == Phase::KajiyaKay, |ui| {
         number(ui, &fields.specular, &mut pile.specular);
         number(ui, &fields.exponent, &mut pile.exponent);

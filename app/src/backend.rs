@@ -4,6 +4,7 @@
 //! several times as long as on the processor itself. The processor's backends need no Vulkan, not even its loader.
 
 use renderer_core::cpu::CpuBackend;
+use renderer_core::design::Method;
 use renderer_core::gpu::{self, AdapterSummary, GpuBackend, GpuContext};
 use renderer_core::reference::ReferenceBackend;
 use renderer_core::render::{Backend, BackendKind, RenderError};
@@ -20,6 +21,16 @@ pub enum BackendChoice {
     Cpu,
     /// Plain scalar f64 on one core: slow, and what the others are held to.
     Reference,
+}
+
+impl BackendChoice {
+    /// What a choice comes to for a method: the GPU does not draw all, so where it is not asked for by name it is not taken.
+    pub fn for_method(self, method: Method) -> Self {
+        match (self, method) {
+            (Self::Auto, Method::SixFace | Method::Exact) => Self::Cpu,
+            _ => self,
+        }
+    }
 }
 
 /// Which backend a choice leads to on a machine with these adapters.

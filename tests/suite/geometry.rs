@@ -7,22 +7,22 @@ use renderer_core::geometry::{
 use renderer_core::sampling::Pcg;
 
 /// Random numbers for one test.
-struct Random(Pcg);
+pub struct Random(Pcg);
 
 impl Random {
-    fn new(seed: u32) -> Self {
+    pub fn new(seed: u32) -> Self {
         Self(Pcg::new(seed, 0))
     }
 
-    fn within(&mut self, low: f64, high: f64) -> f64 {
+    pub fn within(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * f64::from(self.0.next_float())
     }
 
-    fn vector(&mut self, size: f64) -> DVec3 {
+    pub fn vector(&mut self, size: f64) -> DVec3 {
         DVec3::from_array([(); 3].map(|()| self.within(-size, size)))
     }
 
-    fn direction(&mut self) -> DVec3 {
+    pub fn direction(&mut self) -> DVec3 {
         loop {
             let v = self.vector(1.0);
             if (0.01..1.0).contains(&v.length_squared()) {
@@ -32,13 +32,13 @@ impl Random {
     }
 
     /// Four corners far from any symmetry: a square with every corner moved by up to `twist` of its side.
-    fn patch(&mut self, twist: f64) -> BilinearPatch {
+    pub fn patch(&mut self, twist: f64) -> BilinearPatch {
         let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
         BilinearPatch::from_corners(square.map(|(x, y)| DVec3::new(x, y, 0.0) + self.vector(twist)))
     }
 
     /// A convex loop frame: |α| + |β| at most 1.8, as compile guarantees.
-    fn frame(&mut self) -> LoopFrame {
+    pub fn frame(&mut self) -> LoopFrame {
         loop {
             let frame = LoopFrame::new(self.patch(0.6), self.within(0.05, 0.8));
             let area = frame.patch.along_u.cross(frame.patch.along_v).length();

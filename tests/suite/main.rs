@@ -13,6 +13,7 @@ mod geometry;
 mod gpu_backend;
 mod gpu_vs_cpu;
 mod grid;
+mod intervals;
 mod layout;
 mod materials;
 mod metrics;

@@ -4,6 +4,7 @@ mod backends;
 mod cloth;
 mod compositing;
 mod light;
+mod marching;
 mod phases;
 mod tracking;
 mod walk;

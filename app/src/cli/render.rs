@@ -45,7 +45,7 @@ pub struct RenderArguments {
     /// Stop after this many seconds of rendering, but not before the first whole sample.
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = arguments::seconds)]
     time: Option<f64>,
-    /// How a ray gathers light: single, layered or tracked.
+    /// How a ray gathers light: single, layered, exact, six-face or tracked.
     #[arg(long, value_parser = arguments::method)]
     method: Option<Method>,
     /// Most scatterings of a path.
@@ -140,7 +140,8 @@ pub fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
         crop: arguments.crop.unwrap_or([0, 0, width, height]),
         settings: settings(&design, arguments, &format),
     };
-    let mut backend = timed(&mut seconds.pipelines, || backend::make(arguments.backend))?;
+    let choice = arguments.backend.for_method(request.settings.method);
+    let mut backend = timed(&mut seconds.pipelines, || backend::make(choice))?;
     timed(&mut seconds.upload, || backend.begin(&request))?;
     let pipelines = backend.pipeline_time().as_secs_f64();
     seconds.pipelines += pipelines;
@@ -280,6 +281,7 @@ fn settings(design: &Design, arguments: &RenderArguments, format: &Format) -> Se
     Settings {
         method: arguments.method.unwrap_or(preset.method),
         bounces: arguments.bounces.unwrap_or(preset.bounces),
+        step_mm: preset.step_mm,
         samples,
         error,
         seed: arguments.seed.unwrap_or(preset.seed),

@@ -262,7 +262,8 @@ impl Order {
         // Now rather than after minutes of rendering.
         files::check_writable(&self.path).map_err(|error| text(&error))?;
         let scene = Arc::new(scene::compile(&self.design).map_err(|error| text(&error))?);
-        let mut backend = make(self.choice).map_err(|error| text(&error))?;
+        let choice = self.choice.for_method(self.design.quality.method);
+        let mut backend = make(choice).map_err(|error| text(&error))?;
         let request = RenderRequest {
             scene,
             camera: self.camera,

@@ -285,7 +285,7 @@ impl<'a> Worker<'a> {
     /// Starts what is wished, as far as it differs from what is in work.
     fn take(&mut self, wish: Wish) -> Result<(), String> {
         let scene = self.scene_of(&wish.design)?;
-        self.choose_backend(wish.choice)?;
+        self.choose_backend(wish.choice.for_method(wish.design.quality.method))?;
         let request = RenderRequest {
             scene,
             camera: Camera::from_design(&wish.camera),

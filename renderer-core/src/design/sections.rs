@@ -54,13 +54,18 @@ fn snake_case(variant: &str) -> String {
     name
 }
 
-/// Declares an enum whose variants are written in files in lower case with underscores, and listed for menus.
+/// Declares an enum whose variants are written in files in lower case with underscores, or as told after `written`, and
+/// listed for menus.
 macro_rules! choice {
-    ($(#[$meta:meta])* $name:ident { $( $(#[doc = $doc:literal])+ $variant:ident = $label:literal, )+ }) => {
+    (@name $variant:ident) => { snake_case(stringify!($variant)) };
+    (@name $variant:ident $written:literal) => { $written.into() };
+    ($(#[$meta:meta])* $name:ident {
+        $( $(#[doc = $doc:literal])+ $variant:ident = $label:literal $(written $written:literal)?, )+
+    }) => {
         $(#[$meta])*
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
         #[serde(rename_all = "snake_case")]
-        pub enum $name { $( $(#[doc = $doc])+ $variant, )+ }
+        pub enum $name { $( $(#[doc = $doc])+ $(#[serde(rename = $written)])? $variant, )+ }
 
         impl $name {
             /// All choices, in menu order.
@@ -78,7 +83,7 @@ macro_rules! choice {
 
             /// How preset files and the command line write this choice.
             pub fn name(self) -> String {
-                snake_case(match self { $(Self::$variant => stringify!($variant),)+ })
+                match self { $(Self::$variant => choice!(@name $variant $($written)?),)+ }
             }
         }
 
@@ -690,6 +695,10 @@ choice! {
         Single = "single",
         /// One intersection a layer: closer near silhouettes.
         Layered = "layered",
+        /// The ray's whole way through each loop, cut at every voxel and layer: the truth as steps get small.
+        Exact = "exact",
+        /// Kajiya's general form, which the paper's method replaces: six surfaces a loop, marched. A yardstick, not for the GPU.
+        SixFace = "six faces (Kajiya)" written "six-face",
         /// Random free paths through the summed densities: unbiased, and light may bounce.
         Tracked = "tracked",
     }
@@ -715,6 +724,8 @@ section! {
             samples: u32 = 256, 1..=1_048_576, "";
             /// Estimated error at which a final picture is done; 0 waits for all samples.
             error: f64 = 0.0, 0.0..=1.0, "";
+            /// Longest step through a loop, for the methods exact and six-face: smaller is closer to the truth, and slower.
+            step: f64 = 0.05, 0.0005..=10.0, "mm";
             /// Another number gives other noise.
             seed: u32 = 0, 0..=4_294_967_295.0, "";
         }

@@ -92,6 +92,32 @@ impl LoopFrame {
         self.skew
     }
 
+    /// The dual vectors of b and c in their plane: products with a point's offset from the patch's middle are p and q.
+    pub(super) fn duals(&self) -> [DVec3; 2] {
+        self.duals
+    }
+
+    /// (u, v, w) of the point at (p, q) in the basis (b, c) and at `height` over their plane. Exact within convex frames,
+    /// and next to them.
+    ///
+    /// From p = u′(1 + αv′), q = v′(1 + βu′): βu′² + (1 + αq − βp)u′ − p = 0, of which the root that vanishes with p.
+    pub(super) fn coordinates(&self, p: f64, q: f64, height: f64) -> [f64; 3] {
+        let [alpha, beta] = self.skew;
+        let linear = 1.0 + alpha * q - beta * p;
+        let discriminant = (linear * linear + 4.0 * beta * p).max(0.0);
+        let u = 2.0 * p / (linear + discriminant.sqrt());
+        let v = q / (1.0 + beta * u);
+        let w = (height - u * v * self.lift) / self.thickness;
+        [u + 0.5, v + 0.5, w]
+    }
+
+    /// Coordinates (u, v, w) of a point inside the frame or next to it.
+    pub fn locate(&self, point: DVec3) -> [f64; 3] {
+        let offset = point - self.patch.centre;
+        let [p, q] = self.duals.map(|dual| offset.dot(dual));
+        self.coordinates(p, q, offset.dot(self.normal))
+    }
+
     /// The part of `span` along a ray outside of which the ray is certainly not in the frame: there |u′|, |v′| and |w| stay
     /// within ½, and with them p, q and the height over the middle plane, which are linear along the ray.
     pub fn clip(&self, ray: &Ray, span: Interval) -> Interval {

@@ -5,11 +5,13 @@
 
 mod basis;
 mod frame;
+mod frame_line;
 mod interval;
 mod patch;
 
 pub use basis::orthonormal_basis;
 pub use frame::{LoopFrame, Slopes};
+pub use frame_line::{FrameLine, InsideParts};
 pub use interval::{Interval, clip_to_box};
 pub use patch::{BilinearPatch, PatchLine, Root, Roots, quadratic_roots};
 

@@ -145,6 +145,12 @@ impl<'a> PatchLine<'a> {
 
     /// Crossings with the part with u and v in [0, 1] of the patch moved by `offset`, in order of t.
     pub fn roots(&self, offset: DVec3) -> Roots {
+        self.roots_within(offset, 0.5)
+    }
+
+    /// The same for the part with u and v at most `reach` from ½.
+    pub(super) fn roots_within(&self, offset: DVec3, reach: f64) -> Roots {
+        let within = -reach..=reach;
         let to_centre = self.to_centre + offset;
         let candidates = quadratic_roots(
             self.quadratic,
@@ -153,7 +159,7 @@ impl<'a> PatchLine<'a> {
         );
         let mut roots = Roots::default();
         for u in candidates.into_iter().flatten() {
-            if !(-0.5..=0.5).contains(&u) {
+            if !within.contains(&u) {
                 continue;
             }
             // start + t·direction = base + v·ruling, the ruling line of this u.
@@ -162,7 +168,7 @@ impl<'a> PatchLine<'a> {
             let ruling_cross = self.c_cross + self.a_cross * u;
             let v = -base.cross(self.direction).dot(ruling_cross) / ruling_cross.length_squared();
             // Also false for NaN, of a ray along the ruling line.
-            if (-0.5..=0.5).contains(&v) {
+            if within.contains(&v) {
                 roots.push(Root {
                     t: self.t_near + (base + ruling * v).dot(self.direction),
                     u: u + 0.5,

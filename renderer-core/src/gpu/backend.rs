@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use crate::design::ToneMap;
+use crate::design::{Method, ToneMap};
 use crate::image::{Display, Picture};
 use crate::render::progressive::{FEWEST_FOR_ERROR, check_size};
 use crate::render::{Backend, BackendKind, Counters, Progress, RenderError, RenderRequest};
@@ -240,6 +240,11 @@ impl Backend for GpuBackend {
             return Ok(());
         }
         check_size(request.size, request.crop)?;
+        match request.settings.method {
+            Method::SixFace => return Err(RenderError::Method("six-face")),
+            Method::Exact => return Err(RenderError::Method("exact")),
+            _ => {}
+        }
         let before = self.work.take().map(|work| work.accumulation);
         let old = self.scene.as_ref();
         let scene = SceneBuffers::new(&self.context, &self.pipelines, &request.scene, old)?;

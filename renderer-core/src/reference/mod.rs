@@ -2,9 +2,10 @@
 //!
 //! The paper's §6 has six steps. Steps 1 and 2, skeleton and loop frames, are [`crate::scene`]'s. For each ray:
 //!
-//! - step 3, reflection of the yarn loops the ray crosses: `single` and `layered` find the crossings of a loop, `scatter` says how the chosen point scatters;
+//! - step 3, reflection of the yarn loops the ray crosses: `single` and `layered` find the crossings of a loop, `exact` and
+//!   `six_face` its parts inside the loop; `scatter` says how the chosen point scatters;
 //! - step 4, transmission through the loops: `first_event` composites crossings front to back, and shadow rays
-//!   multiply what they let through; `tracked` does both with random free paths instead;
+//!   multiply what they let through; `march` does both piece by piece, `tracked` with random free paths instead;
 //! - step 5, the skeleton and the loops on its other side, seen through its gaps: `skeleton`, and the one grid
 //!   walk (`walk`) over loops of both faces;
 //! - step 6, the sum of all these: `path`.
@@ -13,12 +14,15 @@
 //! the part of a ray that can be in a loop, so that it stays plain.
 
 mod backend;
+mod exact;
 mod first_event;
 mod layered;
 mod lookup;
+mod march;
 mod path;
 mod scatter;
 mod single;
+mod six_face;
 mod skeleton;
 mod tracked;
 mod volume;
@@ -64,6 +68,7 @@ pub struct Scratch {
     events: Vec<first_event::Event>,
     overlaps: Vec<tracked::Overlap>,
     along: Vec<(LoopPlace, Interval)>,
+    met: march::Met,
 }
 
 impl AsMut<Counters> for Scratch {

@@ -1,8 +1,8 @@
 //! Paths: from a camera ray to radiance (MODEL.md §8 and §9; the paper's §6, step 6).
 //!
-//! `single` and `layered` decide how the camera's ray and the shadow rays from its first point gather light; from there
-//! on, with more than one bounce, paths are tracked. `tracked` is tracked from the camera on. Environment light comes
-//! by its own shadow ray at the first point of `single` and `layered`, and everywhere else by the onward ray if that
+//! The method decides how the camera's ray and the shadow rays from its first point gather light; from there on, with
+//! more than one bounce, paths are tracked. `tracked` is tracked from the camera on. Environment light comes by its own
+//! shadow ray at the first point of all methods but `tracked`, and everywhere else by the onward ray if that
 //! leaves the cloth: never by both.
 
 use glam::{DVec2, DVec3};
@@ -53,12 +53,15 @@ impl<'a> PathTracer<'a> {
     /// The radiance along the camera's ray, and what it met first.
     pub(super) fn sample(mut self) -> Sample {
         let tracer = self.tracer;
-        let [x, y, pick, _] = self.random(Set::Film);
+        let [x, y, pick, choice] = self.random(Set::Film);
         let [column, row] = self.pixel.map(f64::from);
         let ray = tracer.camera_ray(DVec2::new(column + x, row + y));
         let first = match tracer.settings.method {
             Method::Tracked => tracer.collision(&ray, &mut self.pcg, self.scratch),
             Method::Single | Method::Layered => tracer.first_event(&ray, 1.0 - pick, self.scratch),
+            Method::Exact | Method::SixFace => {
+                tracer.marched_event(&ray, 1.0 - pick, choice, self.scratch)
+            }
         };
         let Some(first) = first else {
             return Sample {
@@ -163,13 +166,16 @@ impl<'a> PathTracer<'a> {
     }
 
     fn visibility(&mut self, ray: &Ray, composited: bool) -> f64 {
-        if !self.tracer.settings.shadows {
-            1.0
-        } else if composited {
-            self.tracer.composited_visibility(ray, self.scratch)
-        } else {
-            self.tracer
-                .tracked_visibility(ray, &mut self.pcg, self.scratch)
+        let tracer = self.tracer;
+        if !tracer.settings.shadows {
+            return 1.0;
+        }
+        if !composited {
+            return tracer.tracked_visibility(ray, &mut self.pcg, self.scratch);
+        }
+        match tracer.settings.method {
+            Method::Exact | Method::SixFace => tracer.marched_visibility(ray, self.scratch),
+            _ => tracer.composited_visibility(ray, self.scratch),
         }
     }
 }

@@ -25,13 +25,41 @@ const ROULETTE_BELOW: f64 = 1.0 / 16.0;
 /// One loop at a point.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Overlap {
-    place: LoopPlace,
+    pub place: LoopPlace,
     /// u, v and w of the point.
-    inside: [f64; 3],
+    pub inside: [f64; 3],
+    /// ρ, before crowding.
+    pub rho: f64,
     /// Extinction by this loop, 1/mm.
     sigma: f64,
     /// Factor on the albedo.
-    shade: f64,
+    pub shade: f64,
+}
+
+/// Where yarns overlap too much they displace each other: holds the sum of their ρ to [`MOST_OVERLAP`]. The sum of σ.
+pub(super) fn crowded(overlaps: &mut [Overlap], sum_rho: f64) -> f64 {
+    let crowding = if sum_rho > MOST_OVERLAP {
+        MOST_OVERLAP / sum_rho
+    } else {
+        1.0
+    };
+    let mut sigma = 0.0;
+    for overlap in overlaps {
+        overlap.sigma *= crowding;
+        sigma += overlap.sigma;
+    }
+    sigma
+}
+
+/// The loop in which a number from 0 to the sum of σ falls.
+pub(super) fn chosen(overlaps: &[Overlap], number: f64) -> Option<&Overlap> {
+    let mut rest = number;
+    let passed = |overlap: &&Overlap| {
+        rest -= overlap.sigma;
+        rest < 0.0
+    };
+    // Rounding may leave a rest behind the last.
+    overlaps.iter().find(passed).or(overlaps.last())
 }
 
 /// A place where a ray may collide.
@@ -62,30 +90,31 @@ impl Tracer {
             let Some(inside) = frame.invert(point - self.cell_origin(place.cell)) else {
                 continue;
             };
-            counters.volume_samples += 1;
-            let volume = self.volume(place);
-            let found = volume.at(inside);
-            if found.rho > 0.0 {
-                sum_rho += found.rho;
-                overlaps.push(Overlap {
-                    place,
-                    inside,
-                    sigma: volume.density_per_mm * found.rho,
-                    shade: found.shade,
-                });
+            if let Some(overlap) = self.overlap(place, inside, counters) {
+                sum_rho += overlap.rho;
+                overlaps.push(overlap);
             }
         }
-        let crowding = if sum_rho > MOST_OVERLAP {
-            MOST_OVERLAP / sum_rho
-        } else {
-            1.0
-        };
-        let mut sigma = 0.0;
-        for overlap in overlaps {
-            overlap.sigma *= crowding;
-            sigma += overlap.sigma;
-        }
-        sigma
+        crowded(overlaps, sum_rho)
+    }
+
+    /// What a loop holds at (u, v, w), if it is not empty there.
+    pub(super) fn overlap(
+        &self,
+        place: LoopPlace,
+        inside: [f64; 3],
+        counters: &mut Counters,
+    ) -> Option<Overlap> {
+        counters.volume_samples += 1;
+        let volume = self.volume(place);
+        let found = volume.at(inside);
+        (found.rho > 0.0).then_some(Overlap {
+            place,
+            inside,
+            rho: found.rho,
+            sigma: volume.density_per_mm * found.rho,
+            shade: found.shade,
+        })
     }
 
     /// σ at a point of the world, 1/mm.
@@ -188,20 +217,12 @@ impl Tracer {
         let mut vertex = None;
         let skeleton = self.track(ray, pcg, scratch, |tentative, pcg, scratch| {
             // One number decides both whether it collides and with which loop: with each in proportion to its part of σ.
-            let mut rest = f64::from(pcg.next_float()) * tentative.majorant;
-            if rest >= tentative.sigma {
+            let number = f64::from(pcg.next_float()) * tentative.majorant;
+            if number >= tentative.sigma {
                 return ControlFlow::Continue(());
             }
             scratch.counters.contributing_hits += 1;
-            let mut chosen = None;
-            for overlap in &scratch.overlaps {
-                chosen = Some(overlap);
-                rest -= overlap.sigma;
-                if rest < 0.0 {
-                    break;
-                }
-            }
-            vertex = chosen.map(
+            vertex = chosen(&scratch.overlaps, number).map(
                 |&Overlap {
                      place,
                      inside,

@@ -43,6 +43,8 @@ pub struct Settings {
     pub method: Method,
     /// Most scatterings of a path, 1 to 64.
     pub bounces: u32,
+    /// Longest piece of a ray that is taken as uniform, mm; for the methods that march.
+    pub step_mm: f64,
     /// Samples a pixel at which the picture is done.
     pub samples: u32,
     /// Estimated relative error at which the picture is done; 0 never stops early.
@@ -64,6 +66,7 @@ impl From<&Quality> for Settings {
         let Quality {
             method,
             bounces,
+            step,
             samples,
             error,
             seed,
@@ -73,6 +76,7 @@ impl From<&Quality> for Settings {
         Self {
             method,
             bounces,
+            step_mm: step,
             samples,
             error,
             seed,
@@ -160,6 +164,9 @@ pub enum RenderError {
     /// The size of the picture or of its crop is not allowed.
     #[error("{0}")]
     Size(String),
+    /// The method is not drawn by the GPU.
+    #[error("the gpu backend does not draw by method {0}; use --backend cpu or another method")]
+    Method(&'static str),
     /// The device was lost or ran out of memory.
     #[error("the GPU stopped: {0}")]
     Device(String),

@@ -33,8 +33,14 @@ pub fn wild_towel(interpolation: Interpolation) -> Scene {
 /// One upright loop on one cell whose volume is a uniform block: 0.8 mm thick along x, 1.9 mm wide along y, 3 mm high. Its
 /// density is 1/mm; single-scatter albedo 1; isotropic; no skeleton, no light, black background.
 pub fn block(layers: u32) -> Scene {
+    blocks(layers, 1, 13.3)
+}
+
+/// The same, several side by side along x, a cell each.
+pub fn blocks(layers: u32, warps: u32, warps_per_cm: f64) -> Scene {
     let mut design = Design::default();
-    (design.sheet.warps, design.sheet.wefts) = (1, 1);
+    (design.sheet.warps, design.sheet.wefts) = (warps, 1);
+    design.sheet.warps_per_cm = warps_per_cm;
     design.weave.pattern = Pattern::filled(1, 1, 7);
     design.weave.back = Back::None;
     design.length.value = 3.0;
@@ -124,6 +130,7 @@ pub fn request(scene: Scene, method: Method, bounces: u32) -> RenderRequest {
         settings: Settings {
             method,
             bounces,
+            step_mm: 0.05,
             samples: 1,
             error: 0.0,
             seed: 1,

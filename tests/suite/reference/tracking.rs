@@ -29,8 +29,8 @@ fn brute_extinction(scene: &Scene, loops: &[BruteLoop], point: DVec3) -> f64 {
 }
 
 /// A towel whose loops are of two materials.
-fn towel_of_two_yarns() -> Scene {
-    let mut scene = wild_towel(Interpolation::Linear);
+pub fn towel_of_two_yarns(interpolation: Interpolation) -> Scene {
+    let mut scene = wild_towel(interpolation);
     edit_pile(&mut scene, |pile| {
         let first = pile.materials[0];
         pile.materials = vec![
@@ -55,7 +55,7 @@ fn towel_of_two_yarns() -> Scene {
 
 #[test]
 fn density_at_points_is_that_of_all_loops() {
-    let scene = towel_of_two_yarns();
+    let scene = towel_of_two_yarns(Interpolation::Linear);
     let loops = all_loops(&scene);
     let tracer = tracer(scene.clone(), Method::Tracked);
     let mut scratch = Scratch::default();
@@ -82,7 +82,7 @@ fn density_at_points_is_that_of_all_loops() {
 }
 
 /// ∫σ along a ray by midpoints 2 µm apart.
-fn optical_depth(scene: &Scene, loops: &[BruteLoop], ray: &Ray, bounds: [DVec3; 2]) -> f64 {
+pub fn optical_depth(scene: &Scene, loops: &[BruteLoop], ray: &Ray, bounds: [DVec3; 2]) -> f64 {
     let [low, high] = bounds;
     let part = clip_to_box(ray, Interval::new(0.0, f64::INFINITY), low, high);
     let steps = (part.length() / 0.002).ceil().max(1.0);
@@ -151,7 +151,7 @@ fn half_open_ray(
 
 #[test]
 fn ratio_and_delta_tracking_agree_with_quadrature() {
-    let scene = towel_of_two_yarns();
+    let scene = towel_of_two_yarns(Interpolation::Linear);
     let loops = all_loops(&scene);
     let tracer = tracer(scene.clone(), Method::Tracked);
     let mut scratch = Scratch::default();
@@ -185,7 +185,7 @@ fn ratio_and_delta_tracking_agree_with_quadrature() {
 fn a_collision_is_with_each_loop_by_its_share() {
     // Loops of the first material are white, of the second black, so a mean albedo is the first one's share. It is
     // compared with ∫ T·σ₁ along the ray.
-    let scene = towel_of_two_yarns();
+    let scene = towel_of_two_yarns(Interpolation::Linear);
     let loops = all_loops(&scene);
     let tracer = tracer(scene.clone(), Method::Tracked);
     let mut scratch = Scratch::default();

@@ -1,7 +1,7 @@
 //! View & quality: display, saved cameras, and how a final picture is made.
 
 use egui::{Button, TextEdit, Ui};
-use renderer_core::design::{CameraDesign, Design, Field, Quality, View};
+use renderer_core::design::{CameraDesign, Design, Field, Method, Quality, View};
 
 use super::Surroundings;
 use crate::designer::command::Command;
@@ -55,6 +55,8 @@ pub fn show(ui: &mut Ui, design: &mut Design, around: &mut Surroundings<'_>) {
     number(ui, &fields.bounces, &mut quality.bounces);
     number(ui, &fields.samples, &mut quality.samples);
     number(ui, &fields.error, &mut quality.error);
+    let marches = matches!(quality.method, Method::Exact | Method::SixFace);
+    ui.add_enabled_ui(marches, |ui| number(ui, &fields.step, &mut quality.step));
     number(ui, &fields.seed, &mut quality.seed);
     choice(
         ui,

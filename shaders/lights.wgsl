@@ -1,4 +1,4 @@
-// Lights (MODEL.md §8): suns as discs, and a constant environment.
+// Lights (MODEL.md §8): suns as discs, and an environment that is constant, a gradient or a picture.
 
 // A direction in the sun's disc, uniform over its solid angle.
 fn sun_direction(sun: Sun, u: vec2<f32>) -> vec3<f32> {
@@ -11,9 +11,61 @@ fn sun_direction(sun: Sun, u: vec2<f32>) -> vec3<f32> {
     return direction * inverseSqrt(max(dot(direction, direction), 1.0e-30));
 }
 
-fn environment_radiance() -> vec3<f32> {
-    if ENVIRONMENT {
-        return scene.environment.xyz;
+fn sky_gradient(up: f32) -> vec3<f32> {
+    let other = select(scene.sky_ground.xyz, scene.sky_zenith.xyz, up >= 0.0);
+    let reach = select(scene.sky_ground.w, 1.0, up >= 0.0);
+    return mix(scene.sky_horizon.xyz, other, smoothstep(0.0, reach, abs(up)));
+}
+
+// The angle of (x, y) from +x, in (−π, π], to f32 rounding: WGSL's own atan2 may err by 4096 of its last places, several
+// columns of a picture. Polynomial of Cephes' atanf, good below tan(π/8).
+fn angle_of(y: f32, x: f32) -> f32 {
+    let shorter = min(abs(x), abs(y));
+    let longer = max(abs(x), abs(y));
+    let slope = shorter / max(longer, 1.0e-30);
+    let steep = slope > 0.41421356;
+    let reduced = select(slope, (slope - 1.0) / (slope + 1.0), steep);
+    let z = reduced * reduced;
+    let series = ((0.0805374449538 * z - 0.138776856032) * z + 0.199777106478) * z - 0.333329491539;
+    var angle = series * z * reduced + reduced + select(0.0, PI / 4.0, steep);
+    angle = select(angle, PI / 2.0 - angle, abs(y) > abs(x));
+    angle = select(angle, PI - angle, x < 0.0);
+    return select(angle, -angle, y < 0.0);
+}
+
+// Two neighbouring texels of a row; columns go round.
+fn sky_row(left: i32, share: f32, y: i32, size: vec2<i32>) -> vec3<f32> {
+    let row = clamp(y, 0, size.y - 1);
+    let a = textureLoad(sky_picture, vec2<i32>((left + size.x) % size.x, row), 0).xyz;
+    let b = textureLoad(sky_picture, vec2<i32>((left + 1) % size.x, row), 0).xyz;
+    return mix(a, b, share);
+}
+
+// Columns go against azimuths, rows from the zenith down. Filtered by hand: a sampler's 8-bit weights would show where a
+// sun stands beside a sky.
+fn sky_image(direction: vec3<f32>) -> vec3<f32> {
+    let size = vec2<i32>(textureDimensions(sky_picture));
+    let azimuth = angle_of(direction.y, direction.x);
+    let turn = fract(0.5 - (azimuth - scene.environment.w) / (2.0 * PI));
+    let fall = angle_of(length(direction.xy), direction.z) / PI;
+    let place = vec2<f32>(turn, fall) * vec2<f32>(size) - 0.5;
+    let corner = floor(place);
+    let share = place - corner;
+    let left = i32(corner.x);
+    let upper = i32(corner.y);
+    return mix(sky_row(left, share.x, upper, size), sky_row(left, share.x, upper + 1, size), share.y);
+}
+
+// What arrives from a direction in world space.
+fn environment_radiance(direction: vec3<f32>) -> vec3<f32> {
+    if !ENVIRONMENT {
+        return vec3<f32>();
     }
-    return vec3<f32>();
+    if SKY == SKY_GRADIENT {
+        return scene.environment.xyz * sky_gradient(direction.z);
+    }
+    if SKY == SKY_IMAGE {
+        return scene.environment.xyz * sky_image(direction);
+    }
+    return scene.environment.xyz;
 }

@@ -62,8 +62,12 @@ struct SceneConstants {
     repeat: vec2<u32>,
     // Diffuse albedo of the ground yarns; w unused.
     skeleton_albedo: vec4<f32>,
-    // Radiance of the environment; w unused.
+    // Radiance of the environment where the sky is 1; w: azimuth of the middle of SKY_IMAGE's picture.
     environment: vec4<f32>,
+    // SKY_GRADIENT: colours above, around and below; w of the last: sine of the depth at which the ground begins.
+    sky_zenith: vec4<f32>,
+    sky_horizon: vec4<f32>,
+    sky_ground: vec4<f32>,
     // Radiance seen where there is no cloth; w unused.
     background: vec4<f32>,
     suns: array<Sun, MAX_SUNS>,
@@ -88,6 +92,8 @@ struct SceneConstants {
 @group(0) @binding(8) var tangents_a: texture_3d<f32>;
 @group(0) @binding(9) var tangents_b: texture_3d<f32>;
 @group(0) @binding(10) var voxel_sampler: sampler;
+// SKY_IMAGE: equirectangular, row 0 at the zenith.
+@group(0) @binding(11) var sky_picture: texture_2d<f32>;
 
 // Where light is scattered; `cell` and `point` as in Ray.
 const NOTHING: u32 = 0u;

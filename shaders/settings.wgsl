@@ -14,6 +14,10 @@ const SKELETON_NONE: u32 = 0u;
 const SKELETON_WINDING: u32 = 1u;
 const SKELETON_PAPER: u32 = 2u;
 
+const SKY_UNIFORM: u32 = 0u;
+const SKY_GRADIENT: u32 = 1u;
+const SKY_IMAGE: u32 = 2u;
+
 // Side of the tiles that work is handed out in, pixels.
 const TILE: u32 = 16u;
 const TILE_PIXELS: u32 = 256u;
@@ -51,6 +55,8 @@ override ENVIRONMENT: bool = true;
 override SHADOWS: bool = true;
 // Random numbers are Owen-scrambled Sobol points; else independent.
 override OWEN: bool = true;
+// How the environment varies with direction: SKY_*.
+override SKY: u32 = 0u;
 // Also accumulate depth, normal and albedo.
 override AOV: bool = false;
 // Count rays, cells and tests.

@@ -72,7 +72,7 @@ fn lit(at: Scatter, towards_eye: vec3<f32>, bounce: u32, seed: u32, sample: u32,
         } else {
             let drawn = draw_direction(at, towards_eye, u);
             towards_light = drawn.direction;
-            share = drawn.weight * scene.environment.xyz;
+            share = drawn.weight * environment_radiance(drawn.direction);
         }
         if max(max(share.x, share.y), share.z) > 0.0 {
             sum += share * visibility(at, towards_light, bounce, random);
@@ -96,7 +96,7 @@ fn trace_path(camera_ray: Ray, film: vec4<f32>, seed: u32, sample: u32) -> Path 
         } else if at.what == NOTHING {
             // After the first scattering of `single` and `layered` the environment has been counted already.
             if SHADOWS && (METHOD == METHOD_TRACKED || bounce > 2u) {
-                path.radiance += throughput * environment_radiance();
+                path.radiance += throughput * environment_radiance(ray.direction);
             }
             break;
         }
@@ -118,7 +118,7 @@ fn trace_path(camera_ray: Ray, film: vec4<f32>, seed: u32, sample: u32) -> Path 
         throughput *= drawn.weight;
         if !SHADOWS && (METHOD == METHOD_TRACKED || bounce > 1u) {
             // Nothing is between the point and the environment: no ray needs to find out.
-            path.radiance += throughput * environment_radiance();
+            path.radiance += throughput * environment_radiance(drawn.direction);
             if bounce == slice.bounces {
                 break;
             }

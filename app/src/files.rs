@@ -2,17 +2,25 @@
 //! the same directory, reach the disk, and replace the old file at once, so that a crash or a full disk leaves it whole.
 
 use std::fs;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufReader, BufWriter, Write};
 use std::path::{Component, Path, PathBuf};
 
-use image::{ImageFormat, ImageReader, Limits};
+use exr::prelude::{MetaData, Vec2, read_first_rgba_layer_from_file};
+use image::{DynamicImage, ImageError, ImageFormat, ImageReader, Limits};
 use renderer_core::design::preset::{self, PresetFault, SetError};
-use renderer_core::design::{ChartImage, Design, Fault};
+use renderer_core::design::{
+    ChartImage, Design, EnvironmentFault, EnvironmentImage, EnvironmentReader, Fault,
+    srgb_to_linear,
+};
 
 /// Largest preset file, bytes; the largest stitch pattern takes less than a tenth of it.
 const LARGEST_PRESET: u64 = 16 << 20;
 /// Most memory that decoding a chart may take, bytes: a chart of the largest size with 16 bits a channel.
 const CHART_MEMORY: u64 = (ChartImage::MAX_SIDE * ChartImage::MAX_SIDE * 8) as u64 + (16 << 20);
+
+/// Most memory that decoding a picture of the surroundings may take, bytes: the largest with 16 bytes a pixel.
+const ENVIRONMENT_MEMORY: u64 =
+    (EnvironmentImage::MAX_WIDTH * EnvironmentImage::MAX_WIDTH / 2 * 16) as u64 + (16 << 20);
 
 /// What went wrong with a file.
 #[derive(Debug, thiserror::Error)]
@@ -60,6 +68,14 @@ pub enum FileError {
         /// What is wrong, and what is allowed.
         what: String,
     },
+    /// A picture of the surroundings cannot be used.
+    #[error("{}: environment image: {what}", .path.display())]
+    Environment {
+        /// The image.
+        path: PathBuf,
+        /// What is wrong, and what is allowed.
+        what: String,
+    },
     /// A file could not be written; the old one, if any, is untouched.
     #[error("{}: cannot be written: {source}", .path.display())]
     Write {
@@ -82,20 +98,20 @@ fn fault_lines(path: &Path, faults: &[PresetFault]) -> String {
     faults.iter().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// Reads a preset and the chart image it names.
+/// Reads a preset and the images it names.
 ///
 /// # Errors
-/// When either cannot be read or has faults; all faults of the preset are in the error.
+/// When any of them cannot be read or has faults; all faults of the preset are in the error.
 pub fn load_design(path: &Path) -> Result<Design, FileError> {
     load_design_with(path, &[])
 }
 
-/// As [`load_design`], with fields set to other values (paths and values as on the command line) before the chart is read.
+/// As [`load_design`], with fields set to other values (paths and values as on the command line) before images are read.
 ///
 /// # Errors
 /// As [`load_design`], or when a field cannot be set.
 pub fn load_design_with(path: &Path, sets: &[(String, String)]) -> Result<Design, FileError> {
-    let mut design = read_preset(path)?;
+    let (text, mut design) = read_preset(path)?;
     for (field, value) in sets {
         design = preset::set(&design, field, value)?;
     }
@@ -103,13 +119,45 @@ pub fn load_design_with(path: &Path, sets: &[(String, String)]) -> Result<Design
         let path = path.to_owned();
         return Err(FileError::Together { path, fault });
     }
-    if let Some(chart) = chart_file(&design, path) {
-        design.chart.pixels = Some(load_chart(&chart)?);
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut faults = Vec::new();
+    let mut failed = |field: &str, error: FileError| -> Result<(), FileError> {
+        if sets.iter().any(|(set, _)| set == field) {
+            // The preset is not to blame.
+            return Err(error);
+        }
+        let (line, column) = preset::position_of(&text, field);
+        faults.push(PresetFault {
+            line,
+            column,
+            path: field.into(),
+            message: format!("{field}: {error}"),
+        });
+        Ok(())
+    };
+    if let Some(image) = &design.chart.image {
+        match load_chart(&folder.join(image)) {
+            Ok(pixels) => design.chart.pixels = Some(pixels),
+            Err(error) => failed("chart.image", error)?,
+        }
     }
-    Ok(design)
+    if let Some(image) = &design.light.environment.image {
+        match load_environment(&folder.join(image)) {
+            Ok(pixels) => design.light.environment.pixels = Some(pixels),
+            Err(error) => failed("light.environment.image", error)?,
+        }
+    }
+    if faults.is_empty() {
+        Ok(design)
+    } else {
+        faults.sort_by_key(|fault| (fault.line, fault.column));
+        let path = path.to_owned();
+        Err(FileError::Preset { path, faults })
+    }
 }
 
-fn read_preset(path: &Path) -> Result<Design, FileError> {
+/// A preset's text and what it says.
+fn read_preset(path: &Path) -> Result<(String, Design), FileError> {
     let failed = |source| FileError::Read {
         path: path.to_owned(),
         source,
@@ -126,16 +174,13 @@ fn read_preset(path: &Path) -> Result<Design, FileError> {
     }
     let text = String::from_utf8(fs::read(path).map_err(failed)?)
         .map_err(|_| no_preset("is no preset: a preset is UTF-8 text (TOML)".into()))?;
-    preset::parse(&text).map_err(|faults| FileError::Preset {
-        path: path.to_owned(),
-        faults,
-    })
-}
-
-/// The file of a design's chart image, whose path is relative to the preset at `preset`.
-fn chart_file(design: &Design, preset: &Path) -> Option<PathBuf> {
-    let image = design.chart.image.as_ref()?;
-    Some(preset.parent().unwrap_or(Path::new("")).join(image))
+    match preset::parse(&text) {
+        Ok(design) => Ok((text, design)),
+        Err(faults) => Err(FileError::Preset {
+            path: path.to_owned(),
+            faults,
+        }),
+    }
 }
 
 /// Reads a chart image: PNG or JPEG, sides up to [`ChartImage::MAX_SIDE`].
@@ -156,7 +201,7 @@ pub fn load_chart(path: &Path) -> Result<ChartImage, FileError> {
     if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg)) {
         return Err(fault("is neither a PNG nor a JPEG file".into()));
     }
-    let broken = |error: image::ImageError| fault(format!("is broken: {error}"));
+    let broken = |error: ImageError| fault(format!("is broken: {error}"));
     let (width, height) = open()?.into_dimensions().map_err(broken)?;
     let most = ChartImage::MAX_SIDE;
     if width as usize > most || height as usize > most {
@@ -173,21 +218,103 @@ pub fn load_chart(path: &Path) -> Result<ChartImage, FileError> {
         .ok_or_else(|| fault("has no pixels".into()))
 }
 
-/// Writes a preset to `to`. `from` is the file the design was read from, which its relative chart path refers to; the
-/// path is changed so that it leads to the same image from the new place. Returns the design as written.
+/// Reads a picture of the surroundings: Radiance HDR or OpenEXR with linear light, or PNG or JPEG, taken as sRGB;
+/// equirectangular, at most [`EnvironmentImage::MAX_WIDTH`] wide.
+///
+/// # Errors
+/// When it cannot be read, is something else, has another proportion, is too large or has pixels that are no numbers.
+pub fn load_environment(path: &Path) -> Result<EnvironmentImage, FileError> {
+    read_environment(path).map_err(|what| FileError::Environment {
+        path: path.to_owned(),
+        what,
+    })
+}
+
+fn read_environment(path: &Path) -> Result<EnvironmentImage, String> {
+    // Without its name, which may promise what the content is not.
+    let open = || {
+        let file = fs::File::open(path);
+        file.and_then(|file| ImageReader::new(BufReader::new(file)).with_guessed_format())
+            .map_err(|error| format!("cannot be read: {error}"))
+    };
+    let broken = |error: ImageError| format!("is broken: {error}");
+    let mut reader = open()?;
+    match reader.format() {
+        Some(ImageFormat::OpenExr) => return read_exr_environment(path),
+        Some(ImageFormat::Hdr | ImageFormat::Png | ImageFormat::Jpeg) => {}
+        _ => return Err("is none of .hdr, .exr, .png and .jpg".into()),
+    }
+    let (width, height) = open()?.into_dimensions().map_err(broken)?;
+    let told = |fault: EnvironmentFault| fault.to_string();
+    let mut environment = EnvironmentReader::new(width as usize, height as usize).map_err(told)?;
+    let mut limits = Limits::default();
+    limits.max_alloc = Some(ENVIRONMENT_MEMORY);
+    reader.limits(limits);
+    match reader.decode().map_err(broken)? {
+        DynamicImage::ImageRgb32F(linear) => {
+            for (x, y, pixel) in linear.enumerate_pixels() {
+                environment.add(x as usize, y as usize, pixel.0);
+            }
+        }
+        encoded => {
+            let linear: Vec<f32> = (0..=u16::MAX)
+                .map(|value| srgb_to_linear(f64::from(value) / 65535.0) as f32)
+                .collect();
+            for (x, y, pixel) in encoded.into_rgb16().enumerate_pixels() {
+                let colour = pixel.0.map(|value| linear[usize::from(value)]);
+                environment.add(x as usize, y as usize, colour);
+            }
+        }
+    }
+    environment.finish().map_err(told)
+}
+
+/// Channels R, G and B of the first layer that has them; alpha is left out.
+fn read_exr_environment(path: &Path) -> Result<EnvironmentImage, String> {
+    let broken = |error: exr::error::Error| format!("is broken: {error}");
+    // Asked first: decoding what is too large would take its time.
+    for header in MetaData::read_from_file(path, false)
+        .map_err(broken)?
+        .headers
+    {
+        let Vec2(width, height) = header.layer_size;
+        if width > EnvironmentImage::MAX_WIDTH || height > EnvironmentImage::MAX_WIDTH / 2 {
+            return Err(EnvironmentFault::Size { width, height }.to_string());
+        }
+    }
+    let image = read_first_rgba_layer_from_file(
+        path,
+        |Vec2(width, height), _| EnvironmentReader::new(width, height),
+        |environment, Vec2(x, y), (r, g, b, _): (f32, f32, f32, f32)| {
+            if let Ok(environment) = environment {
+                environment.add(x, y, [r, g, b]);
+            }
+        },
+    )
+    .map_err(broken)?;
+    image
+        .layer_data
+        .channel_data
+        .pixels
+        .and_then(EnvironmentReader::finish)
+        .map_err(|fault| fault.to_string())
+}
+
+/// Writes a preset to `to`. `from` is the file the design was read from, which its relative paths of images refer to;
+/// they are changed so that they lead to the same images from the new place. Returns the design as written.
 ///
 /// # Errors
 /// When the file cannot be written.
 pub fn save_design(design: &Design, to: &Path, from: Option<&Path>) -> Result<Design, FileError> {
     let mut design = design.clone();
-    if let Some(image) = &design.chart.image {
-        let chart = match from {
-            Some(from) => from.parent().unwrap_or(Path::new("")).join(image),
-            None => PathBuf::from(image),
+    for image in design.image_paths_mut().into_iter().flatten() {
+        let file = match from {
+            Some(from) => from.parent().unwrap_or(Path::new("")).join(&*image),
+            None => PathBuf::from(&*image),
         };
         let moved = from.and_then(Path::parent) != to.parent();
-        if moved || chart.is_absolute() {
-            design.chart.image = Some(chart_path_from(to, &chart));
+        if moved || file.is_absolute() {
+            *image = image_path_from(to, &file);
         }
     }
     let text = preset::write(&design).map_err(|error| FileError::Write {
@@ -198,9 +325,9 @@ pub fn save_design(design: &Design, to: &Path, from: Option<&Path>) -> Result<De
     Ok(design)
 }
 
-/// The path by which a preset at `preset` names the image `chart` (relative to the working directory, or absolute):
+/// The path by which a preset at `preset` names an image (relative to the working directory, or absolute):
 /// relative where the two share more than the root, with forward slashes.
-pub fn chart_path_from(preset: &Path, chart: &Path) -> String {
+pub fn image_path_from(preset: &Path, image: &Path) -> String {
     let folder = match preset.parent() {
         Some(folder) if folder != Path::new("") => folder,
         _ => Path::new("."),
@@ -210,15 +337,15 @@ pub fn chart_path_from(preset: &Path, chart: &Path) -> String {
             .or_else(|_| std::path::absolute(path))
             .unwrap_or_else(|_| path.to_owned())
     };
-    let (folder, chart) = (absolute(folder), absolute(chart));
+    let (folder, image) = (absolute(folder), absolute(image));
     let (here, there): (Vec<_>, Vec<_>) =
-        (folder.components().collect(), chart.components().collect());
+        (folder.components().collect(), image.components().collect());
     let shared = here.iter().zip(&there).take_while(|(a, b)| a == b).count();
     let only_root_shared = there[..shared]
         .iter()
         .all(|part| matches!(part, Component::Prefix(_) | Component::RootDir));
     if only_root_shared {
-        return chart.to_string_lossy().into_owned();
+        return image.to_string_lossy().into_owned();
     }
     let up = here[shared..].iter().map(|_| "..".to_owned());
     let down = there[shared..]

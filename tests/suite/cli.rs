@@ -406,6 +406,59 @@ fn arguments_change_the_picture() {
 }
 
 #[test]
+fn a_picture_of_the_surroundings_lights_the_cloth() {
+    let bench = Bench::new();
+    fs::create_dir(bench.path("skies")).unwrap();
+    for (name, bright) in [("right", 8..12), ("left", 4..8)] {
+        // The middle is beyond the far edge, so that its left lies to the left of who looks over it.
+        let sky = image::GrayImage::from_fn(16, 8, |x, _| {
+            image::Luma([255 * u8::from(bright.contains(&x))])
+        });
+        sky.save(bench.path(&format!("skies/{name}.png"))).unwrap();
+        let text = SMALL
+            .replace("'single'", "'tracked'")
+            .replace("samples = 2", "samples = 8")
+            + &format!(
+                "[light]\nsun = []\nbackground = '#000000'\nenvironment = {{ kind = 'image', image = 'skies/{name}.png', radiance = 3 }}\n\
+                 [skeleton]\nvisible = false\n"
+            );
+        let text = text.replace("base_width", "lean_x = 60\nbase_width");
+        fs::write(bench.path(&format!("{name}.toml")), text).unwrap();
+    }
+    let mean = |arguments: &[&str]| -> f64 {
+        let backend = [
+            "--size",
+            "24x24",
+            "--set",
+            "pile.phase=frame_lambert",
+            "-o",
+            "a.exr",
+        ];
+        bench.ok(&[&["render"], arguments, &backend[..]].concat());
+        let image = exr::prelude::read_first_rgba_layer_from_file(
+            bench.path("a.exr"),
+            |_, _| 0.0,
+            |sum: &mut f64, _, (r, g, b, _): (f32, f32, f32, f32)| *sum += f64::from(r + g + b),
+        );
+        image.unwrap().layer_data.channel_data.pixels / (3.0 * 24.0 * 24.0)
+    };
+    // Loops lean to the right, so that it matters where light comes from; a quarter turn makes one sky the other.
+    for backend in ["cpu", "reference"] {
+        let lit = |more: &[&str]| mean(&[more, &["--backend", backend]].concat());
+        let left = lit(&["left.toml"]);
+        let right = lit(&["right.toml"]);
+        let turned = lit(&["left.toml", "--set", "light.environment.rotation=-90"]);
+        let dark = lit(&["left.toml", "--set", "light.environment.radiance=0"]);
+        assert!(
+            left > dark && right > dark,
+            "{left} and {right}, not {dark}"
+        );
+        assert!((left / right - 1.0).abs() > 0.02, "{left} and {right}");
+        assert!((turned / right - 1.0).abs() < 1e-5, "{turned}, not {right}");
+    }
+}
+
+#[test]
 fn bad_presets_are_refused_with_file_place_value_and_what_is_allowed() {
     let bench = Bench::new();
     #[rustfmt::skip]
@@ -415,7 +468,10 @@ fn bad_presets_are_refused_with_file_place_value_and_what_is_allowed() {
         ("format = 1\n[view]\nexposure = nan", &["bad.toml:3:12: view.exposure is nan, allowed is -16 to 16 EV"]),
         ("format = 1\n[weave]\npattern = [[7, 0], [0, 5]]", &["bad.toml:3:24: weave.pattern[1][1] is 5, allowed is 0 (weft over), 1 "]),
         ("format = 2", &["bad.toml:1:10: format is 2, newer than this program"]),
-        ("format = 1\n[chart]\nimage = 'gone.png'", &["gone.png: chart image: cannot be read"]),
+        ("format = 1\n[chart]\nimage = 'gone.png'", &["bad.toml:3:9: chart.image: gone.png: chart image: cannot be read"]),
+        ("format = 1\n[light]\nenvironment.kind = 'image'\nenvironment.image = 'gone.hdr'", &["bad.toml:4:21: light.environment.image: gone.hdr: environment image: cannot be read"]),
+        ("format = 1\n[light.environment]\nimage = 'wide.png'\n[chart]\nimage = 'gone.png'", &["bad.toml:3:9: light.environment.image: wide.png: environment image: has 9000 x 1 pixels, allowed are at most 8192 x 4096", "bad.toml:5:9: chart.image: gone.png"]),
+        ("format = 1\n[light.environment]\nkind = 'image'", &["bad.toml:2:1: light.environment.image is left out, allowed is the path of an image"]),
         ("format = 1\n[chart]\nimage = 'bad.toml'", &["bad.toml: chart image: is neither a PNG nor a JPEG file"]),
         ("format = 1\n[chart]\nimage = 'cut.png'", &["cut.png: chart image: is broken"]),
         ("format = 1\n[chart]\nimage = 'wide.png'", &["wide.png: chart image: has 9000 x 1 pixels, allowed are at most 8192 x 8192"]),
@@ -472,7 +528,9 @@ fn bad_arguments_are_refused_with_value_and_what_is_allowed() {
         (2, "-o x.png --set pile.tilt=181", &["pile.tilt is 181, allowed is 0 to 180"]),
         (2, "-o x.png --set pile.tilt", &["'pile.tilt'", "allowed is PATH=VALUE"]),
         (2, "-o x.png --set length.min=99", &["small.toml: with what was set, length.min is 99, allowed is at most length.max"]),
-        (2, "-o x.png --set chart.image=gone.png", &["gone.png: chart image: cannot be read"]),
+        (2, "-o x.png --set chart.image=gone.png", &["error: gone.png: chart image: cannot be read"]),
+        (2, "-o x.png --set light.environment.image=gone.hdr", &["error: gone.hdr: environment image: cannot be read"]),
+        (2, "-o x.png --set light.environment.kind=image", &["light.environment.image is left out"]),
         (2, "-o x.png --depth 12", &["'12'", "8, 16"]),
         (2, "-o x.exr --depth 16", &["--depth is for .png files"]),
         (2, "-o x.png --aov depth", &["--aov needs an .exr file, but the output is x.png"]),

@@ -12,7 +12,7 @@ use egui::accesskit::Role;
 use egui::{Key, Modifiers, Pos2, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use renderer_core::design::{Design, LengthMap, Numbers, Pattern};
+use renderer_core::design::{Design, EnvironmentKind, LengthMap, Numbers, Pattern};
 use renderer_core::gpu;
 use renderer_core::image::Picture;
 use renderer_core::render::{Backend, BackendKind, Counters, Progress, RenderError, RenderRequest};
@@ -663,6 +663,67 @@ fn a_chart_is_opened_and_cleared() {
         h.query_by_label("Chart not opened").is_some()
     });
     assert!(harness.query_by_label_contains("chart.png").is_some());
+}
+
+#[test]
+fn surroundings_are_opened_undone_and_refused_where_they_belong() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let sky = folder.path().join("sky.hdr");
+    let mut file = Vec::new();
+    let encoder = image::codecs::hdr::HdrEncoder::new(&mut file);
+    encoder
+        .encode(&[image::Rgb([0.5, 1.0, 8.0]); 32], 8, 4)
+        .expect("a picture");
+    std::fs::write(&sky, file).expect("written");
+    let mut harness = designer_of_size(None, vec2(1280.0, 2400.0));
+    open_panel(&mut harness, "Light");
+    choose(&mut harness, "Kind", "image");
+    let asked = "light.environment.image is left out";
+    assert!(harness.query_all_by_label_contains(asked).count() > 0);
+    click(&mut harness, "Open surroundings…");
+    type_path(&mut harness, &sky);
+    click(&mut harness, "Open file");
+    let environment = |h: &Harness<'_, App>| design(h).light.environment.clone();
+    wait(&mut harness, "the surroundings", |h| {
+        environment(h).pixels.is_some()
+    });
+    harness.run_steps(3);
+    assert_eq!(environment(&harness).kind, EnvironmentKind::Image);
+    assert_eq!(
+        harness.state().document().undo_name(),
+        Some("open surroundings")
+    );
+    assert!(
+        harness
+            .query_by_label("Image of the surroundings")
+            .is_some()
+    );
+    assert!(harness.query_by_label("sky.hdr, 8 × 4 px").is_some());
+    assert_eq!(harness.query_all_by_label_contains(asked).count(), 0);
+    let opened = environment(&harness);
+    let mut twice = |key| {
+        for _ in 0..2 {
+            harness.key_press_modifiers(Modifiers::COMMAND, key);
+            harness.run_steps(3);
+        }
+        design(&harness).clone()
+    };
+    assert_eq!(twice(Key::Z), Design::default());
+    assert_eq!(twice(Key::Y).light.environment, opened);
+
+    std::fs::write(&sky, "no image").expect("written");
+    click(&mut harness, "Open surroundings…");
+    type_path(&mut harness, &sky);
+    click(&mut harness, "Open file");
+    wait(&mut harness, "the error", |h| {
+        h.query_by_label("Surroundings not opened").is_some()
+    });
+    assert!(
+        harness
+            .query_by_label_contains("is none of .hdr, .exr")
+            .is_some()
+    );
+    assert_eq!(environment(&harness), opened, "what was there stays");
 }
 
 /// A file as the window system hands it over when it is dropped.

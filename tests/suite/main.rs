@@ -8,6 +8,7 @@
 mod chart;
 mod cli;
 mod designer;
+mod environment;
 mod frames;
 mod geometry;
 mod gpu_backend;

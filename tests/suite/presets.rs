@@ -65,6 +65,9 @@ fn every_field_survives_writing_and_reading() {
     design.pile.phase = Phase::KajiyaKay;
     design.turbulence.seed = u32::MAX;
     design.light.sun.clear();
+    design.light.environment.kind = EnvironmentKind::Image;
+    design.light.environment.image = Some("../skies/noon #2.hdr".into());
+    design.light.environment.rotation = -12.5;
     design.view.cameras.push(CameraDesign {
         name: "near # not a comment".into(),
         target: [1e6, -0.25, 1e-9],
@@ -257,6 +260,15 @@ fn set_changes_the_field_it_names_and_no_other() {
     check("light.sun", "[]", &|d| d.light.sun.clear());
     check("light.environment.radiance", "2", &|d| {
         d.light.environment.radiance = 2.0;
+    });
+    check("light.environment.kind", "gradient", &|d| {
+        d.light.environment.kind = EnvironmentKind::Gradient;
+    });
+    check("light.environment.zenith", "#0080ff", &|d| {
+        d.light.environment.zenith = Colour([0, 128, 255]);
+    });
+    check("light.environment.image", "sky.hdr", &|d| {
+        d.light.environment.image = Some("sky.hdr".into());
     });
     check("view.cameras[0].orthographic_height", "12", &|d| {
         d.view.cameras[0].orthographic_height = Some(12.0);

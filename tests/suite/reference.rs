@@ -6,6 +6,7 @@ mod compositing;
 mod light;
 mod marching;
 mod phases;
+mod sky;
 mod tracking;
 mod walk;
 mod yarns;

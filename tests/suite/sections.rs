@@ -92,6 +92,8 @@ fn every_number(design: &Design) -> Vec<(String, f64, &'static [&'static str])> 
                 // No root stands on a weft here.
                 ("skeleton", "weft_radius") => &["skeleton"],
                 ("skeleton", _) => &["loops", "skeleton"],
+                // The light is constant.
+                ("light.environment", "rotation") => &[],
                 ("light.sun[0]" | "light.environment", _) => &["lights"],
                 // View and quality belong to the request; bounces matter to colours, but white is at its cap already.
                 _ => &[],
@@ -142,6 +144,11 @@ fn choices_change_their_sections_and_no_other() {
         ("skeleton.visible", "false", &["skeleton"]),
         ("light.background", "#803020", &["lights"]),
         ("light.environment.colour", "#803020", &["lights"]),
+        ("light.environment.kind", "gradient", &["lights"]),
+        ("light.environment.zenith", "#803020", &[]),
+        ("light.environment.horizon", "#803020", &[]),
+        ("light.environment.ground", "#803020", &[]),
+        ("light.environment.image", "sky.hdr", &[]),
         ("view.tone_map", "filmic", &[]),
         ("view.cameras[0].distance", "100", &[]),
         ("quality.method", "single", &[]),

@@ -66,6 +66,7 @@ fn all_needs() -> Vec<SceneNeeds> {
                         environment: on(4),
                         shadows: on(4) == on(6),
                         owen: on(3) == on(5),
+                        sky: flags % 3,
                         aov: on(5),
                         counters: on(6),
                         filter_f32: on(6),

@@ -1,4 +1,4 @@
-//! `check`: validates presets and the charts they name, and prints every fault.
+//! `check`: validates presets and the images they name, and prints every fault.
 
 use std::io::Write;
 use std::path::PathBuf;

@@ -48,6 +48,13 @@ pub fn menu(ui: &mut Ui, document: &Document, viewport: &Viewport, commands: &mu
             item(ui, "Save as…", true, Command::SaveAs, commands);
             ui.separator();
             item(ui, "Open chart…", true, Command::OpenChart, commands);
+            item(
+                ui,
+                "Open surroundings…",
+                true,
+                Command::OpenEnvironment,
+                commands,
+            );
             item(ui, "Export PNG…", true, Command::Export, commands);
             ui.separator();
             item(ui, "Quit", true, Command::Quit, commands);

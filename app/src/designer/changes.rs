@@ -88,6 +88,13 @@ fn light(before: &Design, after: &Design) -> Option<String> {
             suns.find_map(|(a, b)| numbers("sun", a, b))
         })
         .or_else(|| other(a.sun != b.sun, "sun colour"))
+        .or_else(|| {
+            let (a, b) = (&a.environment, &b.environment);
+            other(
+                a.pixels != b.pixels && b.pixels.is_some(),
+                "open surroundings",
+            )
+        })
         .or_else(|| numbers("environment", &a.environment, &b.environment))
         .or_else(|| other(a.environment != b.environment, "environment"))
         .or_else(|| other(a.background != b.background, "background"))

@@ -33,6 +33,10 @@ pub enum Command {
     OpenChart,
     /// Use this chart image.
     UseChart(PathBuf),
+    /// Ask for an image of the surroundings.
+    OpenEnvironment,
+    /// Use this image of the surroundings.
+    UseEnvironment(PathBuf),
     /// Show the cloth from here.
     Look(CameraDesign),
     /// Show the cloth from a standard view.

@@ -17,6 +17,8 @@ pub enum Purpose {
     SavePreset,
     /// A chart image.
     OpenChart,
+    /// An image of the surroundings.
+    OpenEnvironment,
     /// A picture to write.
     ExportPng,
 }
@@ -27,6 +29,12 @@ impl Purpose {
             Self::OpenPreset => ("Open preset", "presets", &["toml"], false),
             Self::SavePreset => ("Save preset as", "presets", &["toml"], true),
             Self::OpenChart => ("Open chart", "images", &["png", "jpg", "jpeg"], false),
+            Self::OpenEnvironment => (
+                "Open surroundings",
+                "images",
+                &["hdr", "exr", "png", "jpg", "jpeg"],
+                false,
+            ),
             Self::ExportPng => ("Export picture as", "pictures", &["png"], true),
         };
         FileKind {

@@ -35,16 +35,15 @@ pub struct Document {
 impl Document {
     /// A document of a design just read from `path`, or of a new design.
     ///
-    /// In memory the chart's path is absolute, so that no state of the history depends on where the preset lies;
-    /// files name it relative to themselves.
+    /// In memory the paths of images are absolute, so that no state of the history depends on where the preset lies;
+    /// files name them relative to themselves.
     pub fn new(mut design: Design, path: Option<PathBuf>) -> Self {
-        if let (Some(image), Some(folder)) = (
-            &mut design.chart.image,
-            path.as_deref().and_then(Path::parent),
-        ) {
-            let chart = folder.join(&*image);
-            let chart = std::path::absolute(&chart).unwrap_or(chart);
-            *image = chart.to_string_lossy().into_owned();
+        if let Some(folder) = path.as_deref().and_then(Path::parent) {
+            for image in design.image_paths_mut().into_iter().flatten() {
+                let file = folder.join(&*image);
+                let file = std::path::absolute(&file).unwrap_or(file);
+                *image = file.to_string_lossy().into_owned();
+            }
         }
         Self {
             settled: design.clone(),

@@ -35,7 +35,7 @@ use std::sync::Arc;
 use anyhow::anyhow;
 use eframe::CreationContext;
 use egui::{CentralPanel, Context, Frame, Margin, Panel, Ui, UiBuilder, ViewportCommand};
-use renderer_core::design::{ChartImage, Design};
+use renderer_core::design::{ChartImage, Design, EnvironmentImage};
 
 pub use command::Command;
 pub use document::Document;
@@ -90,6 +90,7 @@ pub struct App {
 enum Loaded {
     Preset(PathBuf, Result<Box<Design>, FileError>),
     Chart(PathBuf, Result<ChartImage, FileError>),
+    Environment(PathBuf, Result<EnvironmentImage, FileError>),
 }
 
 /// Opens the designer's window and returns when it is closed.

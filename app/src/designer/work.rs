@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use egui::{Context, Id, Modal, ViewportCommand};
+use renderer_core::design::EnvironmentKind;
 
 use super::command::Command;
 use super::dialogs::Purpose;
@@ -47,6 +48,11 @@ impl App {
                 self.dialogs.ask(Purpose::OpenChart, &folder, "", ctx);
             }
             Command::UseChart(path) => self.load_chart(ctx, path),
+            Command::OpenEnvironment => {
+                let folder = self.folder();
+                self.dialogs.ask(Purpose::OpenEnvironment, &folder, "", ctx);
+            }
+            Command::UseEnvironment(path) => self.load_environment(ctx, path),
             Command::Look(camera) => self.viewport.camera = camera,
             Command::Standard(view) => {
                 let design = &self.document.design;
@@ -135,6 +141,14 @@ impl App {
         }));
     }
 
+    fn load_environment(&mut self, ctx: &Context, path: PathBuf) {
+        self.loading = Some(Task::start(ctx, move || {
+            let path = std::path::absolute(&path).unwrap_or(path);
+            let image = files::load_environment(&path);
+            Loaded::Environment(path, image)
+        }));
+    }
+
     pub(super) fn take_loaded(&mut self) {
         let Some(task) = &self.loading else { return };
         match task.poll() {
@@ -157,6 +171,16 @@ impl App {
             Poll::Ready(Loaded::Chart(_, Err(error))) => {
                 self.notices.error("Chart not opened", error.to_string());
             }
+            Poll::Ready(Loaded::Environment(path, Ok(image))) => {
+                let environment = &mut self.document.design.light.environment;
+                environment.kind = EnvironmentKind::Image;
+                environment.image = Some(path.to_string_lossy().into_owned());
+                environment.pixels = Some(image);
+            }
+            Poll::Ready(Loaded::Environment(_, Err(error))) => {
+                self.notices
+                    .error("Surroundings not opened", error.to_string());
+            }
         }
         self.loading = None;
     }
@@ -168,6 +192,7 @@ impl App {
         match (purpose, path) {
             (Purpose::OpenPreset, Some(path)) => self.load_preset(ctx, path),
             (Purpose::OpenChart, Some(path)) => self.load_chart(ctx, path),
+            (Purpose::OpenEnvironment, Some(path)) => self.load_environment(ctx, path),
             (Purpose::SavePreset, Some(path)) => self.save(ctx, path),
             (Purpose::ExportPng, Some(path)) => {
                 let design = self.document.design.clone();
@@ -211,10 +236,11 @@ impl App {
             match ending.as_deref() {
                 Some("toml") => self.commands.push(Command::OpenPreset(path)),
                 Some("png" | "jpg" | "jpeg") => self.commands.push(Command::UseChart(path)),
+                Some("hdr" | "exr") => self.commands.push(Command::UseEnvironment(path)),
                 _ => self.notices.error(
                     "Not opened",
                     format!(
-                        "{}: drop a preset (.toml) or a chart image (.png, .jpg).",
+                        "{}: drop a preset (.toml), a chart image (.png, .jpg) or an image of the surroundings (.hdr, .exr).",
                         path.display()
                     ),
                 ),

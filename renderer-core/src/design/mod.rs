@@ -5,6 +5,7 @@
 
 mod chart_image;
 mod colour;
+mod environment_image;
 mod fields;
 mod pattern;
 pub mod preset;
@@ -13,6 +14,7 @@ mod shape;
 
 pub use chart_image::{ChartImage, TILE};
 pub use colour::{Colour, linear_to_srgb, srgb_to_linear};
+pub use environment_image::{EnvironmentFault, EnvironmentImage, EnvironmentReader};
 pub use fields::{Fault, Field, Numbers};
 pub use pattern::{Pattern, STITCHES, Stitch};
 pub use sections::*;
@@ -154,6 +156,11 @@ impl Design {
         }
     }
 
+    /// The paths of the images that the design names, which files write relative to themselves.
+    pub fn image_paths_mut(&mut self) -> [&mut Option<String>; 2] {
+        [&mut self.chart.image, &mut self.light.environment.image]
+    }
+
     /// The farthest that any part of a loop can be from its cell's centre, mm.
     pub fn reach_mm(&self) -> f64 {
         let longest =
@@ -174,6 +181,15 @@ impl Design {
         if highest > limit {
             warnings.push(format!(
                 "the highest turbulence octave has {highest:.2} cycles/mm, above {limit:.2}, half a cycle a cell: neighbouring loops look unrelated"
+            ));
+        }
+        if let Some(image) = &self.light.environment.pixels
+            && image.mended() > 0
+        {
+            warnings.push(format!(
+                "{} pixels of the environment's image are darker than 0 or brighter than {}: they are taken as that",
+                image.mended(),
+                EnvironmentImage::BRIGHTEST
             ));
         }
         warnings

@@ -6,7 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::fields::{Fault, Field, Numbers, section};
-use super::{ChartImage, Colour, Pattern, Shape, Shaped};
+use super::{ChartImage, Colour, EnvironmentImage, Pattern, Shape, Shaped};
 
 section! {
     /// Size of the ground weave (MODEL.md §1).
@@ -528,6 +528,10 @@ choice! {
     EnvironmentKind {
         /// The same light from everywhere.
         Constant = "constant",
+        /// A sky that changes smoothly from the zenith to the horizon, over the ground's colour.
+        Gradient = "sky gradient",
+        /// A picture of the surroundings.
+        Image = "image",
     }
 }
 
@@ -535,14 +539,28 @@ section! {
     /// Light from all around.
     Environment, EnvironmentFields {
         numbers {
-            /// Brightness of the surroundings.
+            /// Brightness of the surroundings; multiplies colours and images alike.
             radiance: f64 = 0.6, 0.0..=1000.0, "";
+            /// Turns the image about the cloth's normal, the way azimuths grow; at 0 its middle lies beyond the far edge.
+            rotation: f64 = 0.0, -360.0..=360.0, "°";
         }
         others {
             /// How it varies with direction.
             kind: EnvironmentKind = EnvironmentKind::Constant;
-            /// Its colour.
+            /// Its colour, where it is constant.
             colour: Colour = Colour::WHITE;
+            /// Colour of the gradient straight above the cloth.
+            zenith: Colour = Colour([176, 205, 255]);
+            /// Colour of the gradient all around in the cloth's plane.
+            horizon: Colour = Colour([255, 250, 240]);
+            /// Colour of the gradient below the cloth.
+            ground: Colour = Colour([120, 112, 100]);
+            /// Path of the image, relative to the preset: equirectangular, .hdr or .exr with linear light, .png or .jpg as sRGB.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            image: Option<String> = None;
+            /// The decoded image; read by the program's file layer, never by serde.
+            #[serde(skip)]
+            pixels: Option<EnvironmentImage> = None;
         }
     }
 }
@@ -578,8 +596,15 @@ impl Light {
                 allowed,
             });
         }
-        self.environment
-            .push_range_faults("light.environment", faults);
+        let environment = &self.environment;
+        environment.push_range_faults("light.environment", faults);
+        if environment.kind == EnvironmentKind::Image && environment.image.is_none() {
+            faults.push(Fault {
+                path: "light.environment.image".into(),
+                value: "left out".into(),
+                allowed: "the path of an image when light.environment.kind is \"image\"".into(),
+            });
+        }
     }
 }
 

@@ -4,7 +4,7 @@
 //! reference all walk this one description; the `section!` and `choice!` macros make it from the declarations.
 
 use super::pattern::ALLOWED_STITCHES;
-use super::{ChartImage, Colour, Field, Pattern};
+use super::{ChartImage, Colour, EnvironmentImage, Field, Pattern};
 
 /// What a field holds.
 #[derive(Debug, Clone, PartialEq)]
@@ -136,6 +136,7 @@ shaped! {
     String => Shape::Text,
     Colour => Shape::Colour,
     ChartImage => Shape::Hidden,
+    EnvironmentImage => Shape::Hidden,
     Pattern => {
         let list = |of| Shape::List { of: Box::new(of), length: None };
         list(list(Shape::Stitch))

@@ -66,6 +66,12 @@ constants! {
     SKELETON_WINDING = 1;
     /// SKELETON for the paper's product.
     SKELETON_PAPER = 2;
+    /// SKY for one colour.
+    SKY_UNIFORM = 0;
+    /// SKY for a gradient.
+    SKY_GRADIENT = 1;
+    /// SKY for a picture.
+    SKY_IMAGE = 2;
     /// Side of a tile, pixels.
     TILE = 16;
     /// Pixels of a tile.
@@ -183,8 +189,14 @@ mirrors! {
         repeat: [u32; 2],
         /// Albedo of the ground yarns.
         skeleton_albedo: [f32; 4],
-        /// Radiance of the environment.
+        /// Radiance of the environment where the sky is 1; azimuth of a picture's middle.
         environment: [f32; 4],
+        /// Gradient at the zenith.
+        sky_zenith: [f32; 4],
+        /// Gradient at the horizon.
+        sky_horizon: [f32; 4],
+        /// Gradient at the ground; how deep the haze reaches.
+        sky_ground: [f32; 4],
         /// Background.
         background: [f32; 4],
         /// All suns.

@@ -2,7 +2,7 @@
 
 use crate::design::{Interpolation, Method, Phase, Sampler, SkeletonHeight};
 use crate::render::Settings;
-use crate::scene::Scene;
+use crate::scene::{Scene, Sky};
 
 use super::layout;
 
@@ -31,6 +31,8 @@ pub struct SceneNeeds {
     pub shadows: bool,
     /// Random numbers are Owen-scrambled Sobol points; else independent.
     pub owen: bool,
+    /// How it varies: `SKY_*`.
+    pub sky: u32,
     /// Depth, normal and albedo are accumulated.
     pub aov: bool,
     /// Work is counted.
@@ -42,6 +44,7 @@ pub struct SceneNeeds {
 impl SceneNeeds {
     /// What `scene` drawn with `settings` needs.
     pub fn new(scene: &Scene, settings: &Settings, filter_f32: bool) -> Self {
+        let environment = scene.lights.environment.iter().any(|&c| c > 0.0);
         Self {
             method: settings.method,
             phase: scene.pile.phase,
@@ -51,9 +54,14 @@ impl SceneNeeds {
             root_blend: scene.volumes.root_blend > 0.0,
             skeleton: scene.skeleton.visible.then_some(scene.skeleton.height),
             suns: scene.lights.suns.len() as u32,
-            environment: scene.lights.environment.iter().any(|&c| c > 0.0),
             shadows: settings.shadows,
             owen: settings.sampler == Sampler::Owen,
+            environment,
+            sky: match scene.lights.sky {
+                Sky::Gradient { .. } if environment => layout::SKY_GRADIENT,
+                Sky::Image { .. } if environment => layout::SKY_IMAGE,
+                _ => layout::SKY_UNIFORM,
+            },
             aov: settings.aov,
             counters: settings.counters,
             filter_f32,
@@ -93,6 +101,7 @@ impl SceneNeeds {
             flag("ENVIRONMENT", self.environment),
             flag("SHADOWS", self.shadows),
             flag("OWEN", self.owen),
+            ("SKY", self.sky.into()),
             flag("AOV", self.aov),
             flag("COUNTERS", self.counters),
             flag("FILTER_F32", self.filter_f32),

@@ -175,6 +175,7 @@ impl Pipelines {
                     10,
                     wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
                 ),
+                table(11),
             ];
             context
                 .device

@@ -4,7 +4,7 @@ use bytemuck::Zeroable;
 
 use crate::design::{Phase, SkeletonHeight};
 use crate::render::RenderError;
-use crate::scene::{PileOptics, Scene, Skeleton, Volumes};
+use crate::scene::{PileOptics, Scene, Skeleton, Sky, Volumes};
 
 use super::GpuContext;
 use super::layout::{
@@ -27,6 +27,7 @@ pub struct SceneBuffers {
     voxels: wgpu::Texture,
     tangents: [wgpu::Texture; 2],
     sampler: wgpu::Sampler,
+    sky: wgpu::Texture,
     /// All of them as group 0 of the tracing program.
     pub group: wgpu::BindGroup,
 }
@@ -102,16 +103,24 @@ impl SceneBuffers {
                 ..Default::default()
             }),
         };
+        let sky = match kept(|a, b| a.lights == b.lights || same_picture(a, b)) {
+            Some(old) => old.sky.clone(),
+            None => sky_texture(context, &scene.lights.sky),
+        };
         let constants = uniform_buffer(context, bytemuck::bytes_of(&scene_constants(scene)));
 
         let view = |texture: &wgpu::Texture| texture.create_view(&Default::default());
         let views = [&highlight, &voxels, &tangents[0], &tangents[1]].map(view);
+        let sky_view = view(&sky);
         let buffers = [&constants, &shapes, &looks, &headers, &entries, &stitches];
         let resources = buffers
             .into_iter()
             .map(wgpu::Buffer::as_entire_binding)
             .chain(views.iter().map(wgpu::BindingResource::TextureView))
-            .chain([wgpu::BindingResource::Sampler(&sampler)]);
+            .chain([
+                wgpu::BindingResource::Sampler(&sampler),
+                wgpu::BindingResource::TextureView(&sky_view),
+            ]);
         let entries_of_group: Vec<_> = (0..)
             .zip(resources)
             .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
@@ -135,6 +144,7 @@ impl SceneBuffers {
             voxels,
             tangents,
             sampler,
+            sky,
             group,
         })
     }
@@ -160,6 +170,7 @@ impl SceneBuffers {
         buffers.iter().map(|buffer| buffer.size()).sum::<u64>()
             + texture(&self.voxels)
             + texture(&self.highlight)
+            + texture(&self.sky)
             + self.tangents.iter().map(texture).sum::<u64>()
     }
 }
@@ -242,6 +253,37 @@ fn highlight_texture(context: &GpuContext, pile: &PileOptics) -> wgpu::Texture {
         wgpu::TextureFormat::R32Float,
         [HIGHLIGHT_INTERVALS + 1, rows.len() as u32, 1],
         bytemuck::cast_slice(&norms),
+    )
+}
+
+/// Whether two scenes have the same picture of the sky, whatever else of their lights differs.
+fn same_picture(a: &Scene, b: &Scene) -> bool {
+    match (&a.lights.sky, &b.lights.sky) {
+        (Sky::Image { image: a, .. }, Sky::Image { image: b, .. }) => a == b,
+        (Sky::Image { .. }, _) | (_, Sky::Image { .. }) => false,
+        _ => true,
+    }
+}
+
+/// The picture of the sky in f32, since a sun in it may be too bright for less; a tiny one where there is none.
+fn sky_texture(context: &GpuContext, sky: &Sky) -> wgpu::Texture {
+    let (size, texels): (_, Vec<[f32; 4]>) = match sky {
+        Sky::Image { image, .. } => (
+            [image.width() as u32, image.height() as u32, 1],
+            image
+                .pixels()
+                .iter()
+                .map(|&[r, g, b]| [r, g, b, 0.0])
+                .collect(),
+        ),
+        Sky::Uniform | Sky::Gradient { .. } => ([1; 3], Vec::new()),
+    };
+    texture(
+        context,
+        wgpu::TextureDimension::D2,
+        wgpu::TextureFormat::Rgba32Float,
+        size,
+        bytemuck::cast_slice(&texels),
     )
 }
 
@@ -389,6 +431,19 @@ fn scene_constants(scene: &Scene) -> SceneConstants {
             unused: [0; 2],
         };
     }
+    let mut environment = rgb(lights.environment);
+    let ([zenith, horizon, ground], middle) = match &lights.sky {
+        Sky::Uniform => ([[0.0; 3]; 3], 0.0),
+        Sky::Gradient {
+            zenith,
+            horizon,
+            ground,
+        } => ([*zenith, *horizon, *ground], 0.0),
+        Sky::Image { middle, .. } => ([[0.0; 3]; 3], *middle),
+    };
+    environment[3] = middle as f32;
+    let mut sky_ground = rgb(ground);
+    sky_ground[3] = Sky::HAZE as f32;
     SceneConstants {
         pitch: [sheet.pitch_x_mm as f32, sheet.pitch_y_mm as f32],
         z_range: loops.z_range_mm,
@@ -415,7 +470,10 @@ fn scene_constants(scene: &Scene) -> SceneConstants {
         ],
         repeat: skeleton.repeat,
         skeleton_albedo: rgb(skeleton.albedo.map(f64::from)),
-        environment: rgb(lights.environment),
+        environment,
+        sky_zenith: rgb(zenith),
+        sky_horizon: rgb(horizon),
+        sky_ground,
         background: rgb(lights.background),
         suns,
         materials,

@@ -24,6 +24,7 @@ mod scatter;
 mod single;
 mod six_face;
 mod skeleton;
+mod sky;
 mod tracked;
 mod volume;
 mod walk;
@@ -41,6 +42,7 @@ use crate::scene::{Loops, Scene};
 pub use backend::ReferenceBackend;
 pub use scatter::{Lobe, Optics, Vertex};
 pub use skeleton::{SkeletonHit, Yarns};
+pub use sky::environment_radiance;
 pub use volume::main_axis;
 pub use walk::{CellSpan, Grid, LoopPlace};
 

@@ -7,7 +7,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::{Scratch, Tracer, Vertex};
+use super::{Scratch, Tracer, Vertex, environment_radiance};
 use crate::design::Method;
 use crate::geometry::Ray;
 use crate::render::accumulation::{FirstHit, Sample};
@@ -83,7 +83,7 @@ impl<'a> PathTracer<'a> {
     fn radiance_from(&mut self, mut vertex: Vertex, mut view: DVec3) -> DVec3 {
         let tracer = self.tracer;
         let bounces = tracer.settings.bounces;
-        let environment = DVec3::from_array(tracer.scene.lights.environment);
+        let lights = &tracer.scene.lights;
         let mut throughput = DVec3::ONE;
         let mut radiance = DVec3::ZERO;
         for bounce in 1..=bounces {
@@ -95,7 +95,7 @@ impl<'a> PathTracer<'a> {
             }
             radiance += throughput * vertex.albedo * light;
 
-            let gathers_environment = !composited && environment != DVec3::ZERO;
+            let gathers_environment = !composited && lights.environment != [0.0; 3];
             // Without shadows the environment's light needs no ray to find out whether it arrives.
             let follows_environment = gathers_environment && tracer.settings.shadows;
             if bounce == bounces && !gathers_environment {
@@ -105,7 +105,7 @@ impl<'a> PathTracer<'a> {
             let (direction, weight) = tracer.optics.sample(vertex.lobe, view, [u, v]);
             throughput *= vertex.albedo * weight;
             if gathers_environment && !follows_environment {
-                radiance += throughput * environment;
+                radiance += throughput * environment_radiance(lights, direction);
                 if bounce == bounces {
                     break;
                 }
@@ -122,7 +122,7 @@ impl<'a> PathTracer<'a> {
                 Some(next) => (vertex, view) = (next, -direction),
                 None => {
                     if follows_environment {
-                        radiance += throughput * environment;
+                        radiance += throughput * environment_radiance(lights, direction);
                     }
                     break;
                 }
@@ -156,12 +156,13 @@ impl<'a> PathTracer<'a> {
     /// Light of the environment scattered towards `view`, but for the albedo, by one composited shadow ray.
     fn skylight(&mut self, vertex: &Vertex, view: DVec3, bounce: u32) -> DVec3 {
         let tracer = self.tracer;
-        let radiance = DVec3::from_array(tracer.scene.lights.environment);
-        if radiance == DVec3::ZERO {
+        let lights = &tracer.scene.lights;
+        if lights.environment == [0.0; 3] {
             return DVec3::ZERO;
         }
         let [u, v, ..] = self.random(Set::Environment { bounce });
         let (direction, weight) = tracer.optics.sample(vertex.lobe, view, [u, v]);
+        let radiance = environment_radiance(lights, direction);
         radiance * (weight * self.visibility(&vertex.leave(direction), true))
     }
 

@@ -1,20 +1,43 @@
 //! Lights and background of a scene: directions in world space, linear light (MODEL.md §8).
 
-use super::{Lights, SunLight};
+use std::f64::consts::FRAC_PI_2;
+
+use super::{Lights, Sky, SunLight};
 use crate::design::{Environment, EnvironmentKind, Light, Sun};
 
 impl Lights {
     /// The lights of a design.
     pub fn new(light: &Light) -> Self {
         let Environment {
-            radiance,
-            kind: EnvironmentKind::Constant,
-            colour,
-        } = &light.environment;
+            radiance, colour, ..
+        } = light.environment;
+        let tint = match light.environment.kind {
+            EnvironmentKind::Constant => colour.linear(),
+            EnvironmentKind::Gradient | EnvironmentKind::Image => [1.0; 3],
+        };
         Self {
             suns: light.sun.iter().map(SunLight::new).collect(),
-            environment: colour.linear().map(|c| c * radiance),
+            environment: tint.map(|c| c * radiance),
+            sky: Sky::new(&light.environment),
             background: light.background.linear(),
+        }
+    }
+}
+
+impl Sky {
+    /// How an environment varies. One of kind `image` whose image was not read is uniform.
+    fn new(environment: &Environment) -> Self {
+        match (environment.kind, &environment.pixels) {
+            (EnvironmentKind::Gradient, _) => Self::Gradient {
+                zenith: environment.zenith.linear(),
+                horizon: environment.horizon.linear(),
+                ground: environment.ground.linear(),
+            },
+            (EnvironmentKind::Image, Some(image)) => Self::Image {
+                image: image.clone(),
+                middle: FRAC_PI_2 + environment.rotation.to_radians(),
+            },
+            (EnvironmentKind::Constant | EnvironmentKind::Image, _) => Self::Uniform,
         }
     }
 }

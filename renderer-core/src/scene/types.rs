@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::design::{Interpolation, Phase, PileKind, SkeletonHeight};
+use crate::design::{EnvironmentImage, Interpolation, Phase, PileKind, SkeletonHeight};
 
 /// A part of a scene. Equality is identity: an unchanged part is the same `Arc`.
 #[derive(Debug)]
@@ -323,13 +323,47 @@ pub struct SunLight {
     pub irradiance: [f64; 3],
 }
 
+/// How light from all around varies with direction, as a factor for each channel. World space: +z is the cloth's front
+/// normal.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Sky {
+    /// 1 everywhere.
+    Uniform,
+    /// With s = z of the unit direction: horizon + (zenith − horizon)·smoothstep(0, 1, s) above,
+    /// horizon + (ground − horizon)·smoothstep(0, [`Sky::HAZE`], −s) below. Its slope is continuous.
+    Gradient {
+        /// Linear RGB at the zenith.
+        zenith: [f64; 3],
+        /// Linear RGB at the horizon.
+        horizon: [f64; 3],
+        /// Linear RGB below.
+        ground: [f64; 3],
+    },
+    /// Equirectangular: rows at equal steps of the angle from +z, columns at equal steps of the azimuth, which falls from
+    /// left to right (a viewer inside who turns right sees the next column). Bilinear between texel centres, around
+    /// the border from column to column, and constant beyond the centres of the first and the last row.
+    Image {
+        /// The picture.
+        image: EnvironmentImage,
+        /// Azimuth of the picture's middle, radians.
+        middle: f64,
+    },
+}
+
+impl Sky {
+    /// Sine of the depth below the horizon at which the gradient has reached the ground's colour.
+    pub const HAZE: f64 = 0.3;
+}
+
 /// Lights and background.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lights {
     /// Suns, at most 8.
     pub suns: Vec<SunLight>,
-    /// Radiance of the constant environment, linear RGB.
+    /// Radiance of the environment where `sky` is 1, linear RGB.
     pub environment: [f64; 3],
+    /// How the environment varies with direction: a factor on its radiance.
+    pub sky: Sky,
     /// What the camera sees where there is no cloth, linear RGB; it gives no light.
     pub background: [f64; 3],
 }

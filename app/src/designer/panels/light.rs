@@ -1,12 +1,25 @@
 //! Light: suns, surroundings, background.
 
-use egui::Ui;
-use renderer_core::design::{Environment, Light, Sun};
+use egui::{Color32, ColorImage, RichText, Ui, vec2};
+use renderer_core::design::{Colour, Environment, EnvironmentImage, EnvironmentKind, Light, Sun};
 
-use crate::designer::widgets::{choice, colour, number, subheading, subheading_with};
+use super::Surroundings;
+use crate::designer::command::Command;
+use crate::designer::widgets::{
+    Thumbnail, choice, colour, number, show_thumbnail, subheading, subheading_with,
+};
+
+/// Picture of the surroundings.
+#[derive(Default)]
+pub struct State {
+    thumbnail: Thumbnail<(EnvironmentImage, f64)>,
+}
+
+/// Width of the picture of the surroundings, points.
+const WIDTH: usize = 256;
 
 /// Shows the panel.
-pub fn show(ui: &mut Ui, light: &mut Light) {
+pub fn show(ui: &mut Ui, state: &mut State, light: &mut Light, around: &mut Surroundings<'_>) {
     let mut removed = None;
     let count = light.sun.len();
     for (index, sun) in light.sun.iter_mut().enumerate() {
@@ -34,21 +47,8 @@ pub fn show(ui: &mut Ui, light: &mut Light) {
         light.sun.push(Sun::default());
     }
     subheading(ui, "Surroundings");
-    let environment = &mut light.environment;
-    choice(
-        ui,
-        "Kind",
-        "How light from all around varies with direction.",
-        &mut environment.kind,
-    );
-    number(ui, &Environment::FIELDS.radiance, &mut environment.radiance);
     ui.push_id("environment", |ui| {
-        colour(
-            ui,
-            "Colour",
-            "Colour of the light from all around.",
-            &mut environment.colour,
-        );
+        surroundings(ui, state, &mut light.environment, around);
     });
     subheading(ui, "Background");
     ui.push_id("background", |ui| {
@@ -59,6 +59,109 @@ pub fn show(ui: &mut Ui, light: &mut Light) {
             &mut light.background,
         );
     });
+}
+
+fn surroundings(
+    ui: &mut Ui,
+    state: &mut State,
+    environment: &mut Environment,
+    around: &mut Surroundings<'_>,
+) {
+    choice(
+        ui,
+        "Kind",
+        "How light from all around varies with direction.",
+        &mut environment.kind,
+    );
+    if environment.kind == EnvironmentKind::Image {
+        picture(ui, state, environment, around);
+    }
+    number(ui, &Environment::FIELDS.radiance, &mut environment.radiance);
+    match environment.kind {
+        EnvironmentKind::Constant => colour(
+            ui,
+            "Colour",
+            "Colour of the light from all around.",
+            &mut environment.colour,
+        ),
+        EnvironmentKind::Gradient => {
+            let mut part = |name, what, value| colour(ui, name, what, value);
+            part(
+                "Zenith",
+                "Colour straight above the cloth.",
+                &mut environment.zenith,
+            );
+            part(
+                "Horizon",
+                "Colour all around in the cloth's plane.",
+                &mut environment.horizon,
+            );
+            part("Ground", "Colour below the cloth.", &mut environment.ground);
+        }
+        EnvironmentKind::Image => {}
+    }
+    ui.add_enabled_ui(environment.kind == EnvironmentKind::Image, |ui| {
+        number(ui, &Environment::FIELDS.rotation, &mut environment.rotation);
+    });
+}
+
+/// The image of the surroundings: opening it, and how it looks.
+fn picture(
+    ui: &mut Ui,
+    state: &mut State,
+    environment: &mut Environment,
+    around: &mut Surroundings<'_>,
+) {
+    let open = ui.button("Open surroundings…");
+    if open
+        .on_hover_text(
+            "Chooses an equirectangular image: .hdr or .exr with linear light, .png or .jpg. An .hdr or .exr can also be \
+             dropped on the window.",
+        )
+        .clicked()
+    {
+        around.commands.push(Command::OpenEnvironment);
+    }
+    let Some(image) = &environment.pixels else {
+        ui.weak("No image yet: the picture shows the last light.");
+        return;
+    };
+    let key = (image.clone(), environment.radiance);
+    let texture = state
+        .thumbnail
+        .texture(ui, "surroundings", key, |(image, radiance)| {
+            as_seen(image, *radiance)
+        });
+    ui.add_space(2.0);
+    let size = vec2(WIDTH as f32, WIDTH as f32 / 2.0);
+    show_thumbnail(ui, &texture, size, "Image of the surroundings").on_hover_text(
+        "As bright as it is in the scene, without exposure. Up is above the cloth, the middle beyond its far edge unless it is turned.",
+    );
+    let path = environment.image.as_deref().unwrap_or("not yet saved");
+    let name = std::path::Path::new(path)
+        .file_name()
+        .map_or_else(|| path.into(), |name| name.to_string_lossy());
+    let [width, height] = image.file_size();
+    ui.weak(format!("{name}, {width} × {height} px"))
+        .on_hover_text(path);
+    for warning in around.warnings.iter().filter(|w| w.contains("environment")) {
+        let text = RichText::new(warning).small();
+        ui.label(text.color(ui.visuals().warn_fg_color));
+    }
+}
+
+/// The surroundings at twice the shown size at most, in displayed colours.
+fn as_seen(image: &EnvironmentImage, radiance: f64) -> ColorImage {
+    let step = image.width().div_ceil(2 * WIDTH);
+    let size = [image.width().div_ceil(step), image.height().div_ceil(step)];
+    let pixels = (0..size[0] * size[1])
+        .map(|k| {
+            let linear = image.pixel(k % size[0] * step, k / size[0] * step);
+            let Colour([r, g, b]) = Colour::from_linear(linear.map(|c| f64::from(c) * radiance));
+            Color32::from_rgb(r, g, b)
+        })
+        .collect();
+    ColorImage::new(size, pixels)
 }
 
 fn one_sun(ui: &mut Ui, sun: &mut Sun) {

@@ -22,6 +22,7 @@ pub struct Panels {
     chart: chart::State,
     loop_length: loop_length::State,
     turbulence: turbulence::State,
+    light: light::State,
 }
 
 /// What panels may see beside the design.
@@ -67,7 +68,7 @@ impl Panels {
                     3 => pile::show(ui, &mut design.pile),
                     4 => turbulence::show(ui, &mut self.turbulence, design, around),
                     5 => skeleton::show(ui, &mut design.skeleton),
-                    6 => light::show(ui, &mut design.light),
+                    6 => light::show(ui, &mut self.light, &mut design.light, around),
                     _ => view_quality::show(ui, design, around),
                 });
             }

@@ -22,7 +22,7 @@ const MOST_CELLS: u32 = 96;
 /// Shows the panel.
 pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design, around: &mut Surroundings<'_>) {
     thumbnails(ui, state, design);
-    for warning in around.warnings {
+    for warning in around.warnings.iter().filter(|w| w.contains("turbulence")) {
         let text = RichText::new(warning).small();
         ui.label(text.color(ui.visuals().warn_fg_color));
     }

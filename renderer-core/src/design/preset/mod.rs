@@ -14,7 +14,7 @@ mod write;
 
 use std::fmt;
 
-pub use read::parse;
+pub use read::{parse, position_of};
 pub use set::{SetError, set};
 pub use write::write;
 

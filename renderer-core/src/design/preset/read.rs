@@ -38,6 +38,13 @@ pub fn parse(text: &str) -> Result<Design, Vec<PresetFault>> {
     Err(faults)
 }
 
+/// Line and column at which the value at `path` is written, or the nearest table around it; (1, 1) in a text that is
+/// no TOML.
+pub fn position_of(text: &str, path: &str) -> (usize, usize) {
+    let (root, _) = DeTable::parse_recoverable(text);
+    position(text, locate(root.get_ref(), path))
+}
+
 /// A fault and the byte of the text it is at.
 pub(super) struct Found {
     at: usize,

@@ -23,7 +23,7 @@ pub struct SetError {
 /// The design with the field at `path` set to `value`: a TOML value, or text without its quotes.
 ///
 /// Relations between fields are not checked here, since the next call may mend them; ask [`Design::faults`] at the end.
-/// A changed `chart.image` leaves no pixels: the caller loads the image.
+/// A changed path of an image leaves no pixels: the caller loads the image.
 ///
 /// # Errors
 /// When the path names no field, or the field does not take the value.
@@ -60,6 +60,10 @@ fn changed(design: &Design, path: &str, text: &str) -> Result<Design, String> {
     let mut new = Design::deserialize(tree).map_err(unreadable)?;
     if new.chart.image == design.chart.image {
         new.chart.pixels.clone_from(&design.chart.pixels);
+    }
+    let (old, new_environment) = (&design.light.environment, &mut new.light.environment);
+    if new_environment.image == old.image {
+        new_environment.pixels.clone_from(&old.pixels);
     }
     Ok(new)
 }

@@ -32,7 +32,8 @@ struct Slice {
     // Display: 2^exposure, and TONE_*.
     tone_map: u32,
     exposure_scale: f32,
-    unused: f32,
+    // The scattering at which the light of further ones is estimated, with CLOSING.
+    closing_bounce: u32,
 }
 
 const TONE_NONE: u32 = 0u;

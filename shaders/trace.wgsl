@@ -58,24 +58,33 @@ fn scatter_along(ray: Ray, bounce: u32, threshold: f32, random: ptr<function, Pc
 fn lit(at: Scatter, towards_eye: vec3<f32>, bounce: u32, seed: u32, sample: u32, random: ptr<function, Pcg>) -> vec3<f32> {
     var sum = vec3<f32>();
     // `tracked`, and later scatterings, meet the environment where a path escapes.
-    let sky = ENVIRONMENT && METHOD != METHOD_TRACKED && bounce == 1u;
+    let closing = CLOSING && bounce == slice.closing_bounce;
+    let sky = ENVIRONMENT && (closing || (METHOD != METHOD_TRACKED && bounce == 1u));
     let lights = SUN_COUNT + u32(sky);
     // The environment is the last light: one body for all, since everything here is inlined.
     for (var i = 0u; i < lights; i++) {
         let is_sun = i < SUN_COUNT;
         let u = sample_set(seed, sample, set_at(bounce, select(SET_ENVIRONMENT, i, is_sun))).xy;
         var towards_light: vec3<f32>;
+        // By the light itself, and by bounced light that comes evenly from all sides.
         var share: vec3<f32>;
+        var even_share: vec3<f32>;
         if is_sun {
             towards_light = sun_direction(scene.suns[i], u);
             share = scattered(at, towards_eye, towards_light) * scene.suns[i].irradiance.xyz;
+            even_share = at.albedo * scene.suns[i].irradiance.xyz * (0.25 / PI);
         } else {
             let drawn = draw_direction(at, towards_eye, u);
             towards_light = drawn.direction;
             share = drawn.weight * environment_radiance(drawn.direction);
+            even_share = share;
         }
-        if max(max(share.x, share.y), share.z) > 0.0 {
-            sum += share * visibility(at, towards_light, bounce, random);
+        if closing || max(max(share.x, share.y), share.z) > 0.0 {
+            let visible = visibility(at, towards_light, bounce, random);
+            sum += share * visible;
+            if closing {
+                sum += even_share * bounced(at, towards_light, visible);
+            }
         }
     }
     return sum;
@@ -106,6 +115,9 @@ fn trace_path(camera_ray: Ray, film: vec4<f32>, seed: u32, sample: u32) -> Path 
         let towards_eye = -ray.direction;
         path.radiance += throughput * lit(at, towards_eye, bounce, seed, sample, &random);
 
+        if CLOSING && bounce == slice.closing_bounce {
+            break;
+        }
         // The way on: to the environment if it escapes, else to the next scattering.
         if METHOD != METHOD_TRACKED && !LONG_PATHS {
             break;

@@ -18,7 +18,7 @@ use renderer_core::image::Picture;
 use renderer_core::render::{Backend, BackendKind, Counters, Progress, RenderError, RenderRequest};
 use towel_designer::backend::BackendChoice;
 use towel_designer::designer::panels::Panels;
-use towel_designer::designer::{App, Setup, Shot};
+use towel_designer::designer::{App, LiveLight, Setup, Shot};
 use towel_designer::files;
 
 /// A backend that draws flat gray at once: these tests are about the window, not about the cloth.
@@ -876,7 +876,7 @@ fn shortcuts_open_help_export_and_dialogs() {
 }
 
 #[test]
-fn the_backend_is_switched_in_the_status_bar() {
+fn backend_and_light_are_switched_in_the_status_bar() {
     let mut harness = designer(None);
     wait(&mut harness, "a device", |h| {
         h.state().viewport().shown().device.is_some()
@@ -889,6 +889,11 @@ fn the_backend_is_switched_in_the_status_bar() {
     harness.run_steps(3);
     let wish = harness.state().viewport().wish().expect("a wish");
     assert_eq!(wish.choice, BackendChoice::Cpu);
+    assert_eq!(wish.light, LiveLight::Fast);
+    click(&mut harness, "Light in the viewport");
+    click(&mut harness, "true light");
+    let wish = harness.state().viewport().wish().unwrap();
+    assert_eq!(wish.light, LiveLight::True);
 }
 
 #[test]

@@ -139,7 +139,7 @@ fn repeats(backend: &mut dyn Backend, request: &RenderRequest, first_seed: u32) 
 }
 
 /// Pictures of the GPU and of the processor, with different seeds.
-fn both(design: &Design, size: [u32; 2]) -> [Vec<Picture>; 2] {
+pub fn both(design: &Design, size: [u32; 2]) -> [Vec<Picture>; 2] {
     let request = request(design, size);
     [
         repeats(&mut gpu(), &request, 1000),

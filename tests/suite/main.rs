@@ -5,6 +5,7 @@
     reason = "a test that cannot go on fails, and says where"
 )]
 
+mod bounced;
 mod chart;
 mod cli;
 mod designer;

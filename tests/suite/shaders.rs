@@ -65,6 +65,7 @@ fn all_needs() -> Vec<SceneNeeds> {
                         suns: if on(3) { 8 } else { 0 },
                         environment: on(4),
                         shadows: on(4) == on(6),
+                        closing: on(5),
                         owen: on(3) == on(5),
                         sky: flags % 3,
                         aov: on(5),

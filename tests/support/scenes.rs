@@ -35,6 +35,11 @@ pub fn request(design: &Design, size: [u32; 2]) -> RenderRequest {
     }
 }
 
+/// A shipped preset.
+pub fn preset_path(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../presets/{name}.toml"))
+}
+
 /// Every preset that is shipped.
 pub fn preset_paths() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../presets");

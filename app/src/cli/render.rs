@@ -281,6 +281,7 @@ fn settings(design: &Design, arguments: &RenderArguments, format: &Format) -> Se
     Settings {
         method: arguments.method.unwrap_or(preset.method),
         bounces: arguments.bounces.unwrap_or(preset.bounces),
+        traced_bounces: preset.traced_bounces,
         step_mm: preset.step_mm,
         samples,
         error,

@@ -6,7 +6,7 @@ use renderer_core::design::CameraDesign;
 use super::camera_moves::StandardView;
 use super::command::{Command, keys_of};
 use super::document::Document;
-use super::render_thread::Shown;
+use super::render_thread::{LiveLight, Shown};
 use super::viewport::{Viewport, progress_text};
 use crate::backend::BackendChoice;
 
@@ -99,6 +99,9 @@ fn view_menu(ui: &mut Ui, document: &Document, viewport: &Viewport, commands: &m
     ui.menu_button("Backend", |ui| {
         backends(ui, viewport.choice, commands);
     });
+    ui.menu_button("Light in the viewport", |ui| {
+        live_lights(ui, viewport.light, commands);
+    });
     ui.menu_button("Theme", |ui| {
         let mut theme = ui.ctx().options(|options| options.theme_preference);
         for (choice, name) in [
@@ -126,6 +129,16 @@ fn backends(ui: &mut Ui, now: BackendChoice, commands: &mut Vec<Command>) {
         let radio = ui.radio(choice == now, backend_name(choice));
         if radio.on_hover_text(backend_what(choice)).clicked() {
             commands.push(Command::Backend(choice));
+            ui.close();
+        }
+    }
+}
+
+fn live_lights(ui: &mut Ui, now: LiveLight, commands: &mut Vec<Command>) {
+    for light in LiveLight::ALL {
+        let radio = ui.radio(light == now, light.name());
+        if radio.on_hover_text(light.what()).clicked() {
+            commands.push(Command::LiveLight(light));
             ui.close();
         }
     }
@@ -263,6 +276,12 @@ pub fn status(ui: &mut Ui, viewport: &Viewport, commands: &mut Vec<Command>) {
                 .response
                 .accessible_name("Backend")
                 .on_hover_text(tooltip.trim_start());
+            let light = viewport.light;
+            let button = ui.menu_button(light.name(), |ui| live_lights(ui, light, commands));
+            button
+                .response
+                .accessible_name("Light in the viewport")
+                .on_hover_text(light.what());
         },
     );
 }

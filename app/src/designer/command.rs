@@ -6,6 +6,7 @@ use egui::{Context, Key, KeyboardShortcut, Modifiers};
 use renderer_core::design::CameraDesign;
 
 use super::camera_moves::StandardView;
+use super::render_thread::LiveLight;
 use crate::backend::BackendChoice;
 
 /// Something to do that is no edit of the design.
@@ -45,6 +46,8 @@ pub enum Command {
     Fit,
     /// Render with this backend.
     Backend(BackendChoice),
+    /// Render the viewport with this light.
+    LiveLight(LiveLight),
     /// Show or hide keys and version.
     Help,
 }

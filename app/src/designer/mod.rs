@@ -39,7 +39,7 @@ use renderer_core::design::{ChartImage, Design, EnvironmentImage};
 
 pub use command::Command;
 pub use document::Document;
-pub use render_thread::{Shown, Wish};
+pub use render_thread::{LiveLight, Shown, Wish};
 pub use renderer::{MakeBackend, Shot};
 pub use widgets::label_of;
 

@@ -50,6 +50,50 @@ pub struct Wish {
     pub display: Display,
     /// Which backend.
     pub choice: BackendChoice,
+    /// Which light.
+    pub light: LiveLight,
+}
+
+/// How the viewport gets the light of many bounces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LiveLight {
+    /// Estimated after the first scattering, unless the design itself says after which.
+    #[default]
+    Fast,
+    /// As the design says: what an export shows.
+    True,
+}
+
+impl LiveLight {
+    /// Both, in menu order.
+    pub const ALL: [Self; 2] = [Self::Fast, Self::True];
+
+    /// What menus call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fast => "fast light",
+            Self::True => "true light",
+        }
+    }
+
+    /// What it does.
+    pub fn what(self) -> &'static str {
+        match self {
+            Self::Fast => {
+                "Light that bounces on between the loops is estimated: clear much sooner, a little off in brightness and depth. Exports are not affected."
+            }
+            Self::True => "Every bounce of light is traced, as in an export.",
+        }
+    }
+
+    /// The settings of a picture of a design with this light.
+    fn settings(self, design: &Design) -> Settings {
+        let mut settings = Settings::from(&design.quality);
+        if self == Self::Fast && settings.traced_bounces == 0 {
+            settings.traced_bounces = 1;
+        }
+        settings
+    }
 }
 
 /// What the thread is doing.
@@ -291,7 +335,7 @@ impl<'a> Worker<'a> {
             camera: Camera::from_design(&wish.camera),
             size: wish.size,
             crop: [0, 0, wish.size[0], wish.size[1]],
-            settings: Settings::from(&wish.design.quality),
+            settings: wish.light.settings(&wish.design),
         };
         let same_request = self.job.as_ref().is_some_and(|job| job.request == request);
         let last_display = self.wish.as_ref().map(|wish| wish.display);

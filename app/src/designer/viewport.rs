@@ -14,7 +14,7 @@ use renderer_core::image::Display;
 use renderer_core::render::MAX_SIDE;
 
 use super::camera_moves::{self, StandardView};
-use super::render_thread::{Activity, RenderThread, Shown, Wish};
+use super::render_thread::{Activity, LiveLight, RenderThread, Shown, Wish};
 use super::renderer::{MakeBackend, Shot, for_window};
 use super::style;
 use crate::backend::BackendChoice;
@@ -34,6 +34,8 @@ pub struct Viewport {
     pub camera: CameraDesign,
     /// Which backend renders.
     pub choice: BackendChoice,
+    /// Which light.
+    pub light: LiveLight,
     thread: RenderThread,
     window: Option<egui_wgpu::RenderState>,
     shown: Shown,
@@ -51,6 +53,7 @@ impl Viewport {
         Self {
             camera: CameraDesign::default(),
             choice,
+            light: LiveLight::default(),
             thread: RenderThread::new(make, cc.egui_ctx.clone()),
             window,
             shown: Shown::default(),
@@ -119,6 +122,7 @@ impl Viewport {
             size: self.size,
             display: Display::from(&design.view),
             choice: self.choice,
+            light: self.light,
         };
         if self.wish.as_ref() == Some(&wish) {
             return;
@@ -127,7 +131,8 @@ impl Viewport {
             let mut design = Design::clone(&last.design);
             design.view = wish.design.view.clone();
             design == *wish.design
-                && (&last.camera, last.size, last.choice) == (&wish.camera, wish.size, wish.choice)
+                && (&last.camera, last.size, last.choice, last.light)
+                    == (&wish.camera, wish.size, wish.choice, wish.light)
         });
         self.thread.send(wish.clone(), same_picture);
         self.wish = Some(wish);

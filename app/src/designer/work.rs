@@ -60,6 +60,7 @@ impl App {
             }
             Command::Fit => self.viewport.fit(&self.document.design),
             Command::Backend(choice) => self.viewport.choice = choice,
+            Command::LiveLight(light) => self.viewport.light = light,
             Command::Help => self.help_is_open = !self.help_is_open,
         }
     }

@@ -745,6 +745,9 @@ section! {
         numbers {
             /// How many times light may scatter; many bounces make white pile glow.
             bounces: u32 = 16, 1..=64, "";
+            /// After this many scatterings the light of all further ones is estimated instead of traced: fast, for looking
+            /// while designing. 0 traces all.
+            traced_bounces: u32 = 0, 0..=64, "";
             /// Samples a pixel at which a final picture is done.
             samples: u32 = 256, 1..=1_048_576, "";
             /// Estimated error at which a final picture is done; 0 waits for all samples.

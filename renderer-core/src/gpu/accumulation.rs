@@ -157,7 +157,7 @@ impl Accumulation {
             lattice_after: 0,
             tone_map: 0,
             exposure_scale: 1.0,
-            unused: 0.0,
+            closing_bounce: request.settings.closing_bounce().unwrap_or(0),
         }
     }
 }

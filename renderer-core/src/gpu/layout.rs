@@ -263,7 +263,7 @@ mirrors! {
         tone_map: u32,
         /// 2^exposure.
         exposure_scale: f32,
-        /// Padding.
-        unused: f32,
+        /// Scattering at which further ones are estimated.
+        closing_bounce: u32,
     }
 }

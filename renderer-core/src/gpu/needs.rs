@@ -15,6 +15,8 @@ pub struct SceneNeeds {
     pub phase: Phase,
     /// More than one scattering is allowed.
     pub long_paths: bool,
+    /// Light of further scatterings is estimated.
+    pub closing: bool,
     /// Layers blend.
     pub linear_layers: bool,
     /// Layers of the volumes.
@@ -48,7 +50,8 @@ impl SceneNeeds {
         Self {
             method: settings.method,
             phase: scene.pile.phase,
-            long_paths: settings.bounces > 1,
+            long_paths: settings.closing_bounce().unwrap_or(settings.bounces) > 1,
+            closing: settings.closing_bounce().is_some(),
             linear_layers: scene.volumes.interpolation == Interpolation::Linear,
             layers: scene.volumes.layers,
             root_blend: scene.volumes.root_blend > 0.0,
@@ -93,6 +96,7 @@ impl SceneNeeds {
             ("METHOD", method.into()),
             ("PHASE", phase.into()),
             flag("LONG_PATHS", self.long_paths),
+            flag("CLOSING", self.closing),
             flag("LINEAR_LAYERS", self.linear_layers),
             ("LAYERS", self.layers.into()),
             flag("ROOT_BLEND", self.root_blend),

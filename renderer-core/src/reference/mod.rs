@@ -14,6 +14,7 @@
 //! the part of a ray that can be in a loop, so that it stays plain.
 
 mod backend;
+mod bounced;
 mod exact;
 mod first_event;
 mod layered;

@@ -5,8 +5,11 @@
 //! shadow ray at the first point of all methods but `tracked`, and everywhere else by the onward ray if that
 //! leaves the cloth: never by both.
 
+use std::f64::consts::FRAC_1_PI;
+
 use glam::{DVec2, DVec3};
 
+use super::bounced::bounced;
 use super::{Scratch, Tracer, Vertex, environment_radiance};
 use crate::design::Method;
 use crate::geometry::Ray;
@@ -15,6 +18,25 @@ use crate::sampling::{self, Pcg, Set, directions};
 
 /// The scattering from which on a path may end by Russian roulette: earlier ones carry most of the picture.
 const ROULETTE_FROM: u32 = 3;
+
+/// How a point gathers light.
+#[derive(Clone, Copy)]
+struct Gather {
+    /// Which scattering, from 1.
+    bounce: u32,
+    /// Its shadow rays are composited, not tracked.
+    composited: bool,
+    /// How many orders of bounced light are estimated here.
+    orders: u32,
+}
+
+impl Gather {
+    /// Mean radiance by bounces of light from `direction`, per mean radiance that it would bring unhindered.
+    fn by_bounces(self, vertex: &Vertex, direction: DVec3, visibility: f64) -> DVec3 {
+        let up = (direction.z * vertex.position.z.signum()).max(0.0);
+        bounced(visibility, up, vertex.albedo, self.orders)
+    }
+}
 
 /// One path in the making.
 pub(super) struct PathTracer<'a> {
@@ -84,16 +106,26 @@ impl<'a> PathTracer<'a> {
         let tracer = self.tracer;
         let bounces = tracer.settings.bounces;
         let lights = &tracer.scene.lights;
+        let closing_bounce = tracer.settings.closing_bounce();
         let mut throughput = DVec3::ONE;
         let mut radiance = DVec3::ZERO;
         for bounce in 1..=bounces {
             // Points found by compositing see their lights by compositing.
             let composited = bounce == 1 && tracer.settings.method != Method::Tracked;
-            let mut light = self.sunlight(&vertex, view, bounce, composited);
-            if composited {
-                light += self.skylight(&vertex, view, bounce);
+            let closing = closing_bounce == Some(bounce);
+            let gather = Gather {
+                bounce,
+                composited,
+                orders: if closing { bounces - bounce } else { 0 },
+            };
+            let mut light = self.sunlight(&vertex, view, gather);
+            if composited || closing {
+                light += self.skylight(&vertex, view, gather);
             }
             radiance += throughput * vertex.albedo * light;
+            if closing {
+                break;
+            }
 
             let gathers_environment = !composited && lights.environment != [0.0; 3];
             // Without shadows the environment's light needs no ray to find out whether it arrives.
@@ -132,38 +164,42 @@ impl<'a> PathTracer<'a> {
     }
 
     /// Light of the suns scattered towards `view`, but for the albedo.
-    fn sunlight(&mut self, vertex: &Vertex, view: DVec3, bounce: u32, composited: bool) -> DVec3 {
+    fn sunlight(&mut self, vertex: &Vertex, view: DVec3, gather: Gather) -> DVec3 {
         let tracer = self.tracer;
         let mut light = DVec3::ZERO;
         for (sun, number) in tracer.scene.lights.suns.iter().zip(0..) {
             let set = Set::Sun {
-                bounce,
+                bounce: gather.bounce,
                 sun: number,
             };
             let [u, v, ..] = self.random(set);
             let centre = DVec3::from_array(sun.direction);
             let direction = directions::cone(centre, sun.angular_radius, u, v);
             let value = tracer.optics.value(vertex.lobe, view, direction);
-            if value > 0.0 {
-                let ray = vertex.leave(direction);
-                let visibility = self.visibility(&ray, composited);
-                light += DVec3::from_array(sun.irradiance) * (value * visibility);
+            if value > 0.0 || gather.orders > 0 {
+                let visibility = self.visibility(&vertex.leave(direction), gather.composited);
+                let by_bounces = gather.by_bounces(vertex, direction, visibility);
+                let light_of_sun = by_bounces * (0.25 * FRAC_1_PI) + value * visibility;
+                light += DVec3::from_array(sun.irradiance) * light_of_sun;
             }
         }
         light
     }
 
-    /// Light of the environment scattered towards `view`, but for the albedo, by one composited shadow ray.
-    fn skylight(&mut self, vertex: &Vertex, view: DVec3, bounce: u32) -> DVec3 {
+    /// Light of the environment scattered towards `view`, but for the albedo, by one shadow ray.
+    fn skylight(&mut self, vertex: &Vertex, view: DVec3, gather: Gather) -> DVec3 {
         let tracer = self.tracer;
         let lights = &tracer.scene.lights;
         if lights.environment == [0.0; 3] {
             return DVec3::ZERO;
         }
-        let [u, v, ..] = self.random(Set::Environment { bounce });
+        let [u, v, ..] = self.random(Set::Environment {
+            bounce: gather.bounce,
+        });
         let (direction, weight) = tracer.optics.sample(vertex.lobe, view, [u, v]);
-        let radiance = environment_radiance(lights, direction);
-        radiance * (weight * self.visibility(&vertex.leave(direction), true))
+        let visibility = self.visibility(&vertex.leave(direction), gather.composited);
+        let by_bounces = gather.by_bounces(vertex, direction, visibility);
+        environment_radiance(lights, direction) * (by_bounces + visibility) * weight
     }
 
     fn visibility(&mut self, ray: &Ray, composited: bool) -> f64 {

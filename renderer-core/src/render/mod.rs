@@ -43,6 +43,8 @@ pub struct Settings {
     pub method: Method,
     /// Most scatterings of a path, 1 to 64.
     pub bounces: u32,
+    /// Scatterings after which the light of further ones is estimated, not traced; 0 traces all.
+    pub traced_bounces: u32,
     /// Longest piece of a ray that is taken as uniform, mm; for the methods that march.
     pub step_mm: f64,
     /// Samples a pixel at which the picture is done.
@@ -66,6 +68,7 @@ impl From<&Quality> for Settings {
         let Quality {
             method,
             bounces,
+            traced_bounces,
             step,
             samples,
             error,
@@ -76,6 +79,7 @@ impl From<&Quality> for Settings {
         Self {
             method,
             bounces,
+            traced_bounces,
             step_mm: step,
             samples,
             error,
@@ -85,6 +89,15 @@ impl From<&Quality> for Settings {
             aov: false,
             counters: false,
         }
+    }
+}
+
+impl Settings {
+    /// The scattering at which the light of all further ones is estimated, if not all are traced.
+    pub fn closing_bounce(&self) -> Option<u32> {
+        (1..self.bounces)
+            .contains(&self.traced_bounces)
+            .then_some(self.traced_bounces)
     }
 }
 

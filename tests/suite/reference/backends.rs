@@ -40,6 +40,7 @@ fn request(method: Method) -> RenderRequest {
         settings: Settings {
             method,
             bounces: 3,
+            traced_bounces: 0,
             step_mm: 0.05,
             samples: 5,
             error: 0.0,

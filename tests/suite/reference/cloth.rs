@@ -130,6 +130,7 @@ pub fn request(scene: Scene, method: Method, bounces: u32) -> RenderRequest {
         settings: Settings {
             method,
             bounces,
+            traced_bounces: 0,
             step_mm: 0.05,
             samples: 1,
             error: 0.0,

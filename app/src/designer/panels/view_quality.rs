@@ -53,6 +53,7 @@ pub fn show(ui: &mut Ui, design: &mut Design, around: &mut Surroundings<'_>) {
         &mut quality.method,
     );
     number(ui, &fields.bounces, &mut quality.bounces);
+    number(ui, &fields.traced_bounces, &mut quality.traced_bounces);
     number(ui, &fields.samples, &mut quality.samples);
     number(ui, &fields.error, &mut quality.error);
     let marches = matches!(quality.method, Method::Exact | Method::SixFace);

@@ -1,4 +1,5 @@
-// How pile and ground yarns scatter (MODEL.md §8): ψ in 1/sr, times |cos| for surfaces, and directions drawn for it.
+// How pile scatters (MODEL.md §8): ψ in 1/sr, times |cos| for surfaces, and directions drawn for it. Ground yarns:
+// surface.wgsl.
 // `towards_eye` and `towards_light` point away from the scattering point.
 
 // Unit vectors that make a right-handed basis with a unit vector (Duff et al., JCGT 2017).
@@ -80,10 +81,10 @@ fn two_sided_direction(at: Scatter, normal: vec3<f32>, towards_eye: vec3<f32>, u
     return cosine_about(-eye_side, vec2<f32>(rest, u.y));
 }
 
-// Light scattered towards the eye for light of unit irradiance from one direction: ψ, or albedo/π·cos for ground yarns.
+// Light scattered towards the eye for light of unit irradiance from one direction: ψ.
 fn scattered(at: Scatter, towards_eye: vec3<f32>, towards_light: vec3<f32>) -> vec3<f32> {
     if at.what == GROUND {
-        return at.albedo * (max(dot(at.normal, towards_light), 0.0) / PI);
+        return at.albedo * surface_value(at, towards_eye, towards_light);
     }
     if PHASE == PHASE_FRAME_LAMBERT {
         return at.albedo * two_sided(at, at.normal, towards_eye, towards_light);
@@ -107,7 +108,8 @@ struct Drawn {
 // A direction to gather light from, drawn with two numbers.
 fn draw_direction(at: Scatter, towards_eye: vec3<f32>, u: vec2<f32>) -> Drawn {
     if at.what == GROUND {
-        return Drawn(cosine_about(at.normal, u), at.albedo);
+        let drawn = surface_direction(at, towards_eye, u);
+        return Drawn(drawn.direction, at.albedo * drawn.weight);
     }
     if PHASE == PHASE_FRAME_LAMBERT {
         return Drawn(two_sided_direction(at, at.normal, towards_eye, u), at.albedo);

@@ -60,7 +60,13 @@ struct SceneConstants {
     yarn_reach: vec2<i32>,
     // Repeat of the stitch pattern along x and y, cells.
     repeat: vec2<u32>,
-    // Diffuse albedo of the ground yarns; w unused.
+    // Share of light in the ground yarns' highlight, and its sharpness, for phong and poulin_fournier.
+    skeleton_specular: f32,
+    skeleton_exponent: f32,
+    // Distance of the axes of their fibres, in radii of a fibre, for poulin_fournier.
+    fibre_spacing: f32,
+    skeleton_unused: f32,
+    // Albedo of the ground yarns; w unused.
     skeleton_albedo: vec4<f32>,
     // Radiance of the environment where the sky is 1; w: azimuth of the middle of SKY_IMAGE's picture.
     environment: vec4<f32>,
@@ -108,7 +114,8 @@ struct Scatter {
     t: f32,
     // n̂ of the loop or outward normal of the ground yarn.
     normal: vec3<f32>,
-    // Unit tangent of the fibre for PHASE_KAJIYA_KAY; out of the yarn, −∇ρ/|∇ρ|, for PHASE_GRADIENT_LAMBERT.
+    // Of pile, the unit tangent of the fibre for PHASE_KAJIYA_KAY; out of the yarn, −∇ρ/|∇ρ|, for
+    // PHASE_GRADIENT_LAMBERT. Of a ground yarn, the direction along it; 0 on its cut ends.
     axis: vec3<f32>,
     // How much of a surface it is, for PHASE_GRADIENT_LAMBERT: 0 scatters evenly.
     surfaceness: f32,

@@ -18,6 +18,10 @@ const SKY_UNIFORM: u32 = 0u;
 const SKY_GRADIENT: u32 = 1u;
 const SKY_IMAGE: u32 = 2u;
 
+const SHADING_LAMBERT: u32 = 0u;
+const SHADING_PHONG: u32 = 1u;
+const SHADING_POULIN_FOURNIER: u32 = 2u;
+
 // Side of the tiles that work is handed out in, pixels.
 const TILE: u32 = 16u;
 const TILE_PIXELS: u32 = 256u;
@@ -50,6 +54,8 @@ override LAYERS: u32 = 16u;
 override ROOT_BLEND: bool = true;
 // Shape of the ground yarns: SKELETON_*.
 override SKELETON: u32 = 1u;
+// How ground yarns scatter: SHADING_*.
+override SHADING: u32 = 0u;
 override SUN_COUNT: u32 = 1u;
 // The environment gives light.
 override ENVIRONMENT: bool = true;

@@ -9,13 +9,15 @@ struct YarnHit {
     t: f32,
     // Outward, unit.
     normal: vec3<f32>,
+    // Along the yarn on its surface, unit; 0 on a cut end.
+    along: vec3<f32>,
     // Relative to `cell`.
     point: vec3<f32>,
     cell: vec2<i32>,
 }
 
 fn no_yarn() -> YarnHit {
-    return YarnHit(FAR, vec3<f32>(), vec3<f32>(), vec2<i32>());
+    return YarnHit(FAR, vec3<f32>(), vec3<f32>(), vec3<f32>(), vec2<i32>());
 }
 
 // How far off the surface rays that leave it start, as a share of the radius: far above rounding, far below notice.
@@ -117,7 +119,8 @@ fn winding_hit(yarn: GroundYarn, origin: vec3<f32>, direction: vec3<f32>, range:
     let s = winding(yarn, point.y);
     let above = point.z - scene.crimp * s.x;
     let normal = vec3<f32>(point.x, -scene.crimp * s.y * above, above);
-    return YarnHit(t, normal * inverseSqrt(max(dot(normal, normal), 1.0e-30)), point, vec2<i32>());
+    let along = normalize(vec3<f32>(0.0, 1.0, scene.crimp * s.y));
+    return YarnHit(t, normal * inverseSqrt(max(dot(normal, normal), 1.0e-30)), along, point, vec2<i32>());
 }
 
 // Height above the paper's surface A·s.
@@ -145,7 +148,8 @@ fn paper_hit(yarn: GroundYarn, origin: vec3<f32>, direction: vec3<f32>, range: v
             let s = winding(yarn, point.y);
             let a = sqrt(max(yarn.radius * yarn.radius - point.x * point.x, 0.0));
             let normal = side * vec3<f32>(point.x * s.x, -a * a * s.y, a);
-            return YarnHit(low, normal * inverseSqrt(max(dot(normal, normal), 1.0e-30)), point, vec2<i32>());
+            let along = normalize(vec3<f32>(0.0, 1.0, a * s.y));
+            return YarnHit(low, normal * inverseSqrt(max(dot(normal, normal), 1.0e-30)), along, point, vec2<i32>());
         }
         t_before = t;
     }
@@ -219,11 +223,13 @@ fn skeleton_hit(cell: vec2<i32>, ray_origin: vec3<f32>, direction: vec3<f32>, ra
             );
             if hit.t < FAR {
                 var normal = select(hit.normal, hit.normal.yxz, is_weft);
+                var along = select(hit.along, hit.along.yxz, is_weft);
                 if SKELETON == SKELETON_WINDING && hit.t <= 0.0 {
                     normal = cut_normal(origin);
+                    along = vec3<f32>();
                 }
                 let point = select(hit.point, hit.point.yxz, is_weft);
-                nearest = YarnHit(hit.t, normal, point + shift, cell);
+                nearest = YarnHit(hit.t, normal, along, point + shift, cell);
                 found = true;
             }
         }
@@ -257,5 +263,5 @@ fn ground_along(ray: Ray, t_to: f32) -> YarnHit {
 fn ground_scatter(ray: Ray, hit: YarnHit) -> Scatter {
     let facing = select(-1.0, 1.0, dot(hit.normal, ray.direction) <= 0.0) * hit.normal;
     let lift = YARN_LIFT * min(scene.yarn_radius.x, scene.yarn_radius.y);
-    return Scatter(GROUND, hit.cell, hit.point + lift * facing, hit.t, facing, vec3<f32>(), 0.0, scene.skeleton_albedo.xyz, 0u);
+    return Scatter(GROUND, hit.cell, hit.point + lift * facing, hit.t, facing, hit.along, 0.0, scene.skeleton_albedo.xyz, 0u);
 }

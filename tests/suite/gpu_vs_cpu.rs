@@ -3,7 +3,7 @@
 
 use renderer_core::cpu::CpuBackend;
 use renderer_core::design::{
-    Colour, Design, Interpolation, Method, Pattern, Phase, SkeletonHeight,
+    Colour, Design, Interpolation, Method, Pattern, Phase, SkeletonHeight, SkeletonShading,
 };
 use renderer_core::gpu::GpuBackend;
 use renderer_core::image::Picture;
@@ -77,6 +77,29 @@ fn single_and_layered_draw_the_same_samples_with_every_phase_and_skeleton() {
             &format!("{method:?} {phase:?} {height:?}"),
             &design,
         );
+    }
+}
+
+#[test]
+fn every_shading_of_the_ground_yarns_is_the_same() {
+    let mut design = small_towel();
+    // Few loops, so that most of what is seen are yarns.
+    design.weave.pattern =
+        Pattern::try_from(vec![vec![1, 0, 1, 0], vec![0, 1, 0, 7], vec![0, 0, 1, 1]]).unwrap();
+    design.light.sun[0].elevation = 35.0;
+    let mut gpu = exact_gpu();
+    for &shading in SkeletonShading::ALL {
+        design.skeleton.shading = shading;
+        for (height, specular, exponent, spacing) in [
+            (SkeletonHeight::Winding, 0.0, 20.0, 1.3),
+            (SkeletonHeight::Winding, 0.5, 8.0, 1.0),
+            (SkeletonHeight::Paper, 1.0, 60.0, 2.5),
+        ] {
+            design.skeleton.height = height;
+            (design.skeleton.specular, design.skeleton.exponent) = (specular, exponent);
+            design.skeleton.fibre_spacing = spacing;
+            assert_same_samples(&mut gpu, &format!("{shading:?} {height:?}"), &design);
+        }
     }
 }
 

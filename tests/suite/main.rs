@@ -17,6 +17,7 @@ mod gpu_vs_cpu;
 mod grid;
 mod intervals;
 mod layout;
+mod lobes;
 mod materials;
 mod metrics;
 mod presets;

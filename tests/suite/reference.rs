@@ -3,10 +3,12 @@
 mod backends;
 mod cloth;
 mod compositing;
+mod energy;
 mod light;
 mod marching;
 mod phases;
 mod sky;
+mod surfaces;
 mod tracking;
 mod walk;
 mod yarns;

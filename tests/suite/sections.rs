@@ -90,7 +90,9 @@ fn every_number(design: &Design) -> Vec<(String, f64, &'static [&'static str])> 
                 ("turbulence", "seed") => &["loops", "looks"],
                 ("turbulence", _) => &["loops"],
                 // No root stands on a weft here.
-                ("skeleton", "weft_radius") => &["skeleton"],
+                ("skeleton", "weft_radius" | "specular" | "exponent" | "fibre_spacing") => {
+                    &["skeleton"]
+                }
                 ("skeleton", _) => &["loops", "skeleton"],
                 // The light is constant.
                 ("light.environment", "rotation") => &[],
@@ -140,6 +142,7 @@ fn choices_change_their_sections_and_no_other() {
         ("turbulence.kind", "worley", &["loops"]),
         ("turbulence.filter", "box", &["loops"]),
         ("skeleton.height", "paper", &["loops", "skeleton"]),
+        ("skeleton.shading", "phong", &["skeleton"]),
         ("skeleton.colour", "#803020", &["skeleton"]),
         ("skeleton.visible", "false", &["skeleton"]),
         ("light.background", "#803020", &["lights"]),

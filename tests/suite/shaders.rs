@@ -3,7 +3,7 @@
 
 use naga::back::pipeline_constants::process_overrides;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
-use renderer_core::design::{Method, Phase, SkeletonHeight};
+use renderer_core::design::{Method, Phase, SkeletonHeight, SkeletonShading};
 use renderer_core::gpu::needs::SceneNeeds;
 use renderer_core::gpu::shaders::{Composed, ERROR, Part, RESOLVE, TRACE};
 
@@ -58,6 +58,7 @@ fn all_needs() -> Vec<SceneNeeds> {
                         method,
                         phase,
                         skeleton,
+                        shading: SkeletonShading::ALL[flags as usize % 3],
                         long_paths: on(0),
                         linear_layers: on(1),
                         layers: if on(1) { 16 } else { 5 },

@@ -16,12 +16,31 @@ pub struct Probe {
     pub scene: Option<Vec<u8>>,
 }
 
+/// A file of entry points other than probe.wgsl, and what they need.
+pub struct Special<'a> {
+    pub part: Part,
+    /// Values of `override` constants.
+    pub constants: &'a [(&'static str, f64)],
+    /// The table of N_p: a row of so many numbers each.
+    pub highlight: (u32, &'a [f32]),
+}
+
 /// Answers of `probe` to every input.
 pub fn ask<I: Pod, A: Pod>(probe: &Probe, inputs: &[I]) -> Vec<A> {
+    ask_special(probe, None, inputs)
+}
+
+/// Answers of `probe` of another file to every input.
+pub fn ask_special<I: Pod, A: Pod>(
+    probe: &Probe,
+    special: Option<&Special<'_>>,
+    inputs: &[I],
+) -> Vec<A> {
     let context = context();
     let (device, queue) = (&context.device, &context.queue);
     let mut parts: Vec<Part> = TRACE.to_vec();
-    parts.push(("probe.wgsl", include_str!("probe.wgsl")));
+    let own = ("probe.wgsl", include_str!("probe.wgsl"));
+    parts.push(special.map_or(own, |special| special.part));
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("probe"),
         source: wgpu::ShaderSource::Wgsl(Composed::new(&parts).text.into()),
@@ -31,7 +50,10 @@ pub fn ask<I: Pod, A: Pod>(probe: &Probe, inputs: &[I]) -> Vec<A> {
         layout: None,
         module: &module,
         entry_point: Some(probe.entry),
-        compilation_options: wgpu::PipelineCompilationOptions::default(),
+        compilation_options: wgpu::PipelineCompilationOptions {
+            constants: special.map_or(&[], |special| special.constants),
+            ..Default::default()
+        },
         cache: None,
     });
     let buffer = |bytes: u64, usage| {
@@ -72,13 +94,21 @@ pub fn ask<I: Pod, A: Pod>(probe: &Probe, inputs: &[I]) -> Vec<A> {
         if let Some(bytes) = &probe.scene {
             let scene = buffer(bytes.len() as u64, wgpu::BufferUsages::UNIFORM);
             queue.write_buffer(&scene, 0, bytes);
+            let mut entries = vec![wgpu::BindGroupEntry {
+                binding: 0,
+                resource: scene.as_entire_binding(),
+            }];
+            let table = special.map(|special| highlight_table(device, queue, special.highlight));
+            if let Some(table) = &table {
+                entries.push(wgpu::BindGroupEntry {
+                    binding: 6,
+                    resource: wgpu::BindingResource::TextureView(table),
+                });
+            }
             let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: None,
                 layout: &pipeline.get_bind_group_layout(0),
-                entries: &[wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: scene.as_entire_binding(),
-                }],
+                entries: &entries,
             });
             pass.set_bind_group(0, &group, &[]);
         }
@@ -91,4 +121,38 @@ pub fn ask<I: Pod, A: Pod>(probe: &Probe, inputs: &[I]) -> Vec<A> {
         .map_async(wgpu::MapMode::Read, |result| result.unwrap());
     device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
     bytemuck::pod_collect_to_vec(&back.slice(..).get_mapped_range().unwrap())
+}
+
+fn highlight_table(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    (width, values): (u32, &[f32]),
+) -> wgpu::TextureView {
+    let size = wgpu::Extent3d {
+        width,
+        height: values.len() as u32 / width,
+        depth_or_array_layers: 1,
+    };
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::R32Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    let layout = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(4 * width),
+        rows_per_image: None,
+    };
+    queue.write_texture(
+        texture.as_image_copy(),
+        bytemuck::cast_slice(values),
+        layout,
+        size,
+    );
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
 }

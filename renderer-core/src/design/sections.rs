@@ -481,6 +481,18 @@ choice! {
     }
 }
 
+choice! {
+    /// How a ground yarn scatters light.
+    SkeletonShading {
+        /// As a matt surface.
+        Lambert = "Lambert",
+        /// As a matt surface with a highlight.
+        Phong = "Phong",
+        /// As fibres side by side along the yarn, which hide and shade each other (Poulin and Fournier).
+        PoulinFournier = "Poulin-Fournier",
+    }
+}
+
 section! {
     /// The ground weave's yarns (MODEL.md §7).
     SkeletonDesign, SkeletonFields {
@@ -491,11 +503,19 @@ section! {
             weft_radius: f64 = 0.22, 0.005..=10.0, "mm";
             /// How far the yarns rise and sink where they cross; 0 keeps them flat.
             crimp: f64 = 0.22, 0.0..=10.0, "mm";
+            /// Share of light in the ground yarns' highlight, for Phong and Poulin-Fournier.
+            specular: f64 = 0.1, 0.0..=1.0, "";
+            /// Sharpness of the highlight, for Phong and Poulin-Fournier.
+            exponent: f64 = 20.0, 1.0..=500.0, "";
+            /// Distance of neighbouring fibres in their diameters, for Poulin-Fournier; 1 lets them touch.
+            fibre_spacing: f64 = 1.2, 1.0..=100.0, "";
         }
         others {
             /// How the height follows over and under.
             height: SkeletonHeight = SkeletonHeight::Winding;
-            /// Colour of the ground yarns.
+            /// How a ground yarn scatters light.
+            shading: SkeletonShading = SkeletonShading::Lambert;
+            /// Colour of the ground yarns: what their surface gives back of each colour at one scattering.
             colour: Colour = Colour([240, 238, 232]);
             /// Whether the ground weave is drawn.
             visible: bool = true;

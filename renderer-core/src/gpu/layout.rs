@@ -72,6 +72,12 @@ constants! {
     SKY_GRADIENT = 1;
     /// SKY for a picture.
     SKY_IMAGE = 2;
+    /// SHADING for `lambert`.
+    SHADING_LAMBERT = 0;
+    /// SHADING for `phong`.
+    SHADING_PHONG = 1;
+    /// SHADING for `poulin_fournier`.
+    SHADING_POULIN_FOURNIER = 2;
     /// Side of a tile, pixels.
     TILE = 16;
     /// Pixels of a tile.
@@ -187,6 +193,14 @@ mirrors! {
         yarn_reach: [i32; 2],
         /// Repeat of the pattern, cells.
         repeat: [u32; 2],
+        /// Share of light in the ground yarns' highlight.
+        skeleton_specular: f32,
+        /// Its sharpness.
+        skeleton_exponent: f32,
+        /// Distance of their fibres' axes, in radii of a fibre.
+        fibre_spacing: f32,
+        /// Padding.
+        skeleton_unused: f32,
         /// Albedo of the ground yarns.
         skeleton_albedo: [f32; 4],
         /// Radiance of the environment where the sky is 1; azimuth of a picture's middle.

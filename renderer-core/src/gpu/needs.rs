@@ -1,6 +1,6 @@
 //! What a picture needs of the shaders: the values of their `override` constants. Pipelines are cached by it.
 
-use crate::design::{Interpolation, Method, Phase, Sampler, SkeletonHeight};
+use crate::design::{Interpolation, Method, Phase, Sampler, SkeletonHeight, SkeletonShading};
 use crate::render::Settings;
 use crate::scene::{Scene, Sky};
 
@@ -25,6 +25,8 @@ pub struct SceneNeeds {
     pub root_blend: bool,
     /// The ground weave, if it is drawn.
     pub skeleton: Option<SkeletonHeight>,
+    /// How ground yarns scatter.
+    pub shading: SkeletonShading,
     /// Number of suns.
     pub suns: u32,
     /// The environment gives light.
@@ -56,6 +58,7 @@ impl SceneNeeds {
             layers: scene.volumes.layers,
             root_blend: scene.volumes.root_blend > 0.0,
             skeleton: scene.skeleton.visible.then_some(scene.skeleton.height),
+            shading: scene.skeleton.shading,
             suns: scene.lights.suns.len() as u32,
             shadows: settings.shadows,
             owen: settings.sampler == Sampler::Owen,
@@ -91,6 +94,11 @@ impl SceneNeeds {
             Some(SkeletonHeight::Winding) => layout::SKELETON_WINDING,
             Some(SkeletonHeight::Paper) => layout::SKELETON_PAPER,
         };
+        let shading = match self.shading {
+            SkeletonShading::Lambert => layout::SHADING_LAMBERT,
+            SkeletonShading::Phong => layout::SHADING_PHONG,
+            SkeletonShading::PoulinFournier => layout::SHADING_POULIN_FOURNIER,
+        };
         let flag = |name, on: bool| (name, f64::from(u8::from(on)));
         vec![
             ("METHOD", method.into()),
@@ -101,6 +109,7 @@ impl SceneNeeds {
             ("LAYERS", self.layers.into()),
             flag("ROOT_BLEND", self.root_blend),
             ("SKELETON", skeleton.into()),
+            ("SHADING", shading.into()),
             ("SUN_COUNT", self.suns.into()),
             flag("ENVIRONMENT", self.environment),
             flag("SHADOWS", self.shadows),

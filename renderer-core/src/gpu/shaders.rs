@@ -12,8 +12,8 @@ macro_rules! parts {
 /// The program that adds samples, in the order in which its parts build on each other.
 pub const TRACE: &[Part] = parts![
     "settings.wgsl" "scene.wgsl" "sampling.wgsl" "counters.wgsl" "walk.wgsl" "patch.wgsl" "volume.wgsl"
-    "skeleton.wgsl" "phase.wgsl" "lights.wgsl" "events.wgsl" "single.wgsl" "layered.wgsl" "composite.wgsl"
-    "tracked.wgsl" "camera.wgsl" "picture.wgsl" "bounced.wgsl" "trace.wgsl"
+    "skeleton.wgsl" "surface.wgsl" "phase.wgsl" "lights.wgsl" "events.wgsl" "single.wgsl" "layered.wgsl"
+    "composite.wgsl" "tracked.wgsl" "camera.wgsl" "picture.wgsl" "bounced.wgsl" "trace.wgsl"
 ];
 /// The program that shows or returns the mean.
 pub const RESOLVE: &[Part] = parts!["settings.wgsl" "picture.wgsl" "resolve.wgsl"];

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::volume::LoopVolume;
 use super::walk::{CellLoops, CellSpan, LoopPlace};
 use super::{Lobe, SkeletonHit, Tracer, Vertex};
-use crate::design::Phase;
+use crate::design::{Phase, SkeletonShading};
 use crate::geometry::{LoopFrame, Ray};
 
 impl Tracer {
@@ -91,7 +91,17 @@ impl Tracer {
             t: hit.t,
             normal: hit.normal,
             albedo: DVec3::from_array(self.scene.skeleton.albedo.map(f64::from)),
-            lobe: Lobe::Surface(hit.normal),
+            lobe: match self.scene.skeleton.shading {
+                SkeletonShading::Phong => Lobe::Phong(hit.normal),
+                SkeletonShading::PoulinFournier if hit.along != DVec3::ZERO => Lobe::Fibres {
+                    normal: hit.normal,
+                    along: hit.along,
+                },
+                // Fibres met end on have no direction.
+                SkeletonShading::Lambert | SkeletonShading::PoulinFournier => {
+                    Lobe::Surface(hit.normal)
+                }
+            },
         }
     }
 }

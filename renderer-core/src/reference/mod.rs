@@ -26,6 +26,7 @@ mod single;
 mod six_face;
 mod skeleton;
 mod sky;
+mod surface;
 mod tracked;
 mod volume;
 mod walk;
@@ -44,6 +45,7 @@ pub use backend::ReferenceBackend;
 pub use scatter::{Lobe, Optics, Vertex};
 pub use skeleton::{SkeletonHit, Yarns};
 pub use sky::environment_radiance;
+pub use surface::SurfaceOptics;
 pub use volume::main_axis;
 pub use walk::{CellSpan, Grid, LoopPlace};
 
@@ -84,20 +86,23 @@ impl Tracer {
     /// Prepares for `request`.
     pub fn new(request: &RenderRequest) -> Self {
         let frames = Arc::new(frames(&request.scene.loops));
-        Self::with(request, frames, Arc::new(Optics::new(&request.scene.pile)))
+        let optics = Optics::new(&request.scene.pile, &request.scene.skeleton);
+        Self::with(request, frames, Arc::new(optics))
     }
 
-    /// Prepares for another request; frames and phase functions are kept if loops and pile are the same.
+    /// Prepares for another request; frames are kept if the loops are the same, phase functions if
+    /// pile and skeleton are.
     pub fn again(&self, request: &RenderRequest) -> Self {
         let frames = if request.scene.loops == self.scene.loops {
             Arc::clone(&self.frames)
         } else {
             Arc::new(frames(&request.scene.loops))
         };
-        let optics = if request.scene.pile == self.scene.pile {
+        let (new, old) = (&request.scene, &self.scene);
+        let optics = if new.pile == old.pile && new.skeleton == old.skeleton {
             Arc::clone(&self.optics)
         } else {
-            Arc::new(Optics::new(&request.scene.pile))
+            Arc::new(Optics::new(&new.pile, &new.skeleton))
         };
         Self::with(request, frames, optics)
     }

@@ -1,4 +1,4 @@
-//! How a point scatters (MODEL.md §8): phase functions of the pile and the skeleton's Lambert surface.
+//! How a point scatters (MODEL.md §8): phase functions of the pile; `surface` has those of the skeleton.
 //!
 //! A value is ψ/albedo, in 1/sr, so normalised that its integral over all light directions is at most 1 for every
 //! view direction (for the Lambert surface the cosine is included). All directions point away from the point.
@@ -7,10 +7,11 @@ use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
 use glam::DVec3;
 
+use super::SurfaceOptics;
 use crate::design::Phase;
 use crate::geometry::Ray;
 use crate::sampling::directions;
-use crate::scene::{Material, PileOptics};
+use crate::scene::{Material, PileOptics, Skeleton};
 
 /// Distance from a surface at which rays leave it, mm: far above the precision of its hits (10⁻⁹ mm), far below any yarn.
 const SURFACE_OFFSET_MM: f64 = 1e-6;
@@ -45,6 +46,15 @@ pub enum Lobe {
     },
     /// As an opaque Lambertian surface with this unit normal.
     Surface(DVec3),
+    /// As an opaque surface with this unit normal and a highlight.
+    Phong(DVec3),
+    /// As an opaque surface of parallel fibres.
+    Fibres {
+        /// Unit normal of the surface.
+        normal: DVec3,
+        /// Unit vector along the fibres, in the surface.
+        along: DVec3,
+    },
 }
 
 impl Lobe {
@@ -82,7 +92,9 @@ impl Vertex {
     /// The ray that leaves it towards `direction`.
     pub fn leave(&self, direction: DVec3) -> Ray {
         let origin = match self.lobe {
-            Lobe::Surface(normal) => self.position + normal * SURFACE_OFFSET_MM,
+            Lobe::Surface(normal) | Lobe::Phong(normal) | Lobe::Fibres { normal, .. } => {
+                self.position + normal * SURFACE_OFFSET_MM
+            }
             _ => self.position,
         };
         Ray { origin, direction }
@@ -93,6 +105,7 @@ impl Vertex {
 #[derive(Debug, Clone)]
 pub struct Optics {
     phase: Phase,
+    surface: SurfaceOptics,
     materials: Vec<Parameters>,
     /// For each different p of `kajiya_kay`, N_p at equal steps of θ_v from 0 to π; empty for other phases.
     highlight_norms: Vec<Vec<f64>>,
@@ -111,8 +124,8 @@ struct Parameters {
 }
 
 impl Optics {
-    /// Prepares the phase function of `pile`.
-    pub fn new(pile: &PileOptics) -> Self {
+    /// Prepares the phase function of `pile` and the surface of `skeleton`.
+    pub fn new(pile: &PileOptics, skeleton: &Skeleton) -> Self {
         let mut exponents: Vec<f64> = Vec::new();
         let mut parameters = |material: &Material| {
             let exponent = f64::from(material.exponent);
@@ -130,6 +143,7 @@ impl Optics {
         let materials = pile.materials.iter().map(&mut parameters).collect();
         Self {
             phase: pile.phase,
+            surface: SurfaceOptics::new(skeleton),
             materials,
             highlight_norms: match pile.phase {
                 Phase::KajiyaKay => exponents.into_iter().map(highlight_norms).collect(),
@@ -172,6 +186,8 @@ impl Optics {
                         / self.highlight_norm(fibre.norm, cos_view)
             }
             Lobe::Surface(normal) => normal.dot(light).max(0.0) * FRAC_1_PI,
+            Lobe::Phong(normal) => self.surface.phong(normal, view, light),
+            Lobe::Fibres { normal, along } => self.surface.fibres(normal, along, view, light),
         }
     }
 
@@ -202,6 +218,10 @@ impl Optics {
                 (direction, 4.0 * PI * self.value(lobe, view, direction))
             }
             Lobe::Surface(normal) => (directions::cosine_hemisphere(normal, u, v), 1.0),
+            Lobe::Phong(normal) => self.surface.sample_phong(normal, view, [u, v]),
+            Lobe::Fibres { normal, along } => {
+                self.surface.sample_fibres(normal, along, view, [u, v])
+            }
         }
     }
 

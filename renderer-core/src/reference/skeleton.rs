@@ -36,6 +36,8 @@ pub struct SkeletonHit {
     pub t: f64,
     /// Unit normal, turned against the ray.
     pub normal: DVec3,
+    /// Unit vector along the yarn on its surface; zero on a cut end.
+    pub along: DVec3,
 }
 
 /// All yarns of the ground weave.
@@ -175,7 +177,11 @@ impl Yarns {
         } else {
             DVec3::Y * point.y.signum()
         };
-        SkeletonHit { t, normal }
+        SkeletonHit {
+            t,
+            normal,
+            along: DVec3::ZERO,
+        }
     }
 }
 
@@ -260,7 +266,8 @@ impl Yarn {
         let (across, along, z) = self.place(ray.at(t));
         let (s, slope) = self.wave(along);
         let above = z - self.crimp * s;
-        Some(self.hit_at(ray, t, [across, -self.crimp * slope * above, above]))
+        let normal = [across, -self.crimp * slope * above, above];
+        Some(self.hit_at(ray, t, normal, self.crimp * slope))
     }
 
     /// Height of the point over the paper's height field A·s.
@@ -282,14 +289,17 @@ impl Yarn {
         let (s, slope) = self.wave(along);
         let squared = (self.radius.powi(2) - across.powi(2)).max(0.0);
         // The gradient of z − A·s, times A to stay finite at the strip's edge.
-        Some(self.hit_at(ray, t, [across * s, -squared * slope, squared.sqrt()]))
+        let normal = [across * s, -squared * slope, squared.sqrt()];
+        Some(self.hit_at(ray, t, normal, squared.sqrt() * slope))
     }
 
-    /// A hit at `t` with a normal given across the yarn, along it, and up.
-    fn hit_at(&self, ray: &Ray, t: f64, [across, along, up]: [f64; 3]) -> SkeletonHit {
+    /// A hit at `t` with a normal given across the yarn, along it, and up, where the surface rises by `rise` along the yarn.
+    fn hit_at(&self, ray: &Ray, t: f64, [across, along, up]: [f64; 3], rise: f64) -> SkeletonHit {
         let mut normal = DVec3::new(0.0, 0.0, up);
         normal[self.across] = across;
         normal[1 - self.across] = along;
+        let mut thread = DVec3::new(0.0, 0.0, rise);
+        thread[1 - self.across] = 1.0;
         let normal = normal.normalize_or(-ray.direction);
         SkeletonHit {
             t,
@@ -298,6 +308,7 @@ impl Yarn {
             } else {
                 normal
             },
+            along: thread.normalize(),
         }
     }
 }

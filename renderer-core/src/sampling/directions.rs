@@ -16,6 +16,11 @@ pub fn cosine_hemisphere(normal: DVec3, u: f64, v: f64) -> DVec3 {
     about(normal, polar((1.0 - u).sqrt(), v))
 }
 
+/// About the unit vector `axis` with density (p + 1)/2π·cos^p θ: cos θ = (1 − u)^(1/(p+1)), φ = 2πv.
+pub fn power_lobe(axis: DVec3, exponent: f64, u: f64, v: f64) -> DVec3 {
+    about(axis, polar((1.0 - u).powf(1.0 / (exponent + 1.0)), v))
+}
+
 /// Uniform on the cap of half-angle `angle` about the unit vector `axis`: cos θ = 1 − u(1 − cos `angle`), φ = 2πv.
 pub fn cone(axis: DVec3, angle: f64, u: f64, v: f64) -> DVec3 {
     // 1 − cos a = 2 sin²(a/2) keeps its digits for suns as small as ours.

@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::design::{EnvironmentImage, Interpolation, Phase, PileKind, SkeletonHeight};
+use crate::design::{
+    EnvironmentImage, Interpolation, Phase, PileKind, SkeletonHeight, SkeletonShading,
+};
 
 /// A part of a scene. Equality is identity: an unchanged part is the same `Arc`.
 #[derive(Debug)]
@@ -302,8 +304,16 @@ pub struct Skeleton {
     pub crimp_mm: f32,
     /// How height follows over and under.
     pub height: SkeletonHeight,
-    /// Diffuse albedo, linear.
+    /// How yarns scatter.
+    pub shading: SkeletonShading,
+    /// Share of light that one scattering gives back, linear.
     pub albedo: [f32; 3],
+    /// Share of it in the highlight, for `phong` and `poulin_fournier`.
+    pub specular: f32,
+    /// Sharpness of the highlight.
+    pub exponent: f32,
+    /// Distance of neighbouring fibres, in their diameters, for `poulin_fournier`; at least 1.
+    pub fibre_spacing: f32,
     /// Whether rays meet it.
     pub visible: bool,
     /// Repeat of the stitch pattern along x and y, cells.

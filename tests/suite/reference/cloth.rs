@@ -1,15 +1,16 @@
 //! Scenes, tracers and random rays for the tests of the reference renderer.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 use renderer_core::design::{
     Back, CameraDesign, Design, Interpolation, Method, Pattern, Phase, PileKind, Sampler,
 };
-use renderer_core::geometry::{BilinearPatch, LoopFrame, Ray};
+use renderer_core::geometry::{BilinearPatch, LoopFrame, Ray, orthonormal_basis};
 use renderer_core::reference::Tracer;
 use renderer_core::render::{Camera, RenderRequest, Settings};
-use renderer_core::sampling::Pcg;
+use renderer_core::sampling::{self, Pcg, Set};
 use renderer_core::scene::{Scene, Section, SunLight, Volumes, compile};
 
 /// A towel of fat, twisted, overlapping loops on both faces, small enough for brute force.
@@ -297,4 +298,75 @@ impl Random {
             direction,
         }
     }
+}
+
+/// Rings from pole to pole and steps around in integrals over the sphere.
+const RINGS: u32 = 540;
+const STEPS: u32 = 360;
+
+/// Calls `f` with the middle and the solid angle of each of many patches of the sphere; the poles at ±`axis`.
+fn over_sphere(axis: DVec3, mut f: impl FnMut(DVec3, f64)) {
+    let (x, y) = orthonormal_basis(axis);
+    let (height, width) = (PI / f64::from(RINGS), 2.0 * PI / f64::from(STEPS));
+    for ring in 0..RINGS {
+        let (sine, cosine) = (height * (f64::from(ring) + 0.5)).sin_cos();
+        for step in 0..STEPS {
+            let (s, c) = (width * (f64::from(step) + 0.5)).sin_cos();
+            let direction = x * (sine * c) + y * (sine * s) + axis * cosine;
+            f(direction, sine * height * width);
+        }
+    }
+}
+
+/// ∫ f over the sphere by midpoints.
+pub fn integral(axis: DVec3, f: impl Fn(DVec3) -> f64) -> f64 {
+    let mut sum = 0.0;
+    over_sphere(axis, |direction, area| sum += area * f(direction));
+    sum
+}
+
+/// Bins of directions: in height over the plane across the axis, and around.
+const BINS: [usize; 2] = [8, 12];
+
+fn bin_of(axis: DVec3, direction: DVec3) -> usize {
+    let (x, y) = orthonormal_basis(axis);
+    let [heights, turns] = BINS.map(|count| count as f64);
+    let height = (0.5 * (1.0 + direction.dot(axis)) * heights).clamp(0.0, heights - 1.0);
+    let turn = direction.dot(y).atan2(direction.dot(x)) / (2.0 * PI) + 0.5;
+    height as usize * BINS[1] + (turn * turns).clamp(0.0, turns - 1.0) as usize
+}
+
+/// ∫ f over each bin of directions.
+pub fn direction_bins(axis: DVec3, f: impl Fn(DVec3) -> f64) -> Vec<f64> {
+    let mut bins = vec![0.0; BINS[0] * BINS[1]];
+    over_sphere(axis, |direction, area| {
+        bins[bin_of(axis, direction)] += area * f(direction);
+    });
+    bins
+}
+
+/// Mean weight of samples in each bin of directions, and the deviation of that mean.
+pub fn shares_of_samples(
+    axis: DVec3,
+    sample: impl Fn([f64; 2]) -> (DVec3, f64),
+) -> (Vec<f64>, Vec<f64>) {
+    const SAMPLES: u32 = 1 << 15;
+    let mut bins = vec![(0.0, 0.0); BINS[0] * BINS[1]];
+    for number in 0..SAMPLES {
+        let [u, v, ..] =
+            sampling::sample(Sampler::Owen, 9, number, Set::Onward { bounce: 1 }).map(f64::from);
+        let (direction, weight) = sample([u, v]);
+        assert!((direction.length() - 1.0).abs() < 1e-12);
+        assert!(weight >= 0.0);
+        let (sum, squares) = &mut bins[bin_of(axis, direction)];
+        *sum += weight;
+        *squares += weight * weight;
+    }
+    let n = f64::from(SAMPLES);
+    let deviation =
+        |&(sum, squares): &(f64, f64)| ((squares / n - (sum / n) * (sum / n)).max(0.0) / n).sqrt();
+    (
+        bins.iter().map(|(sum, _)| sum / n).collect(),
+        bins.iter().map(deviation).collect(),
+    )
 }

@@ -170,7 +170,7 @@ fn a_wide_sun_lights_by_the_mean_over_its_disc() {
 }
 
 /// The towel with white yarns everywhere under a white sky of radiance 1.
-fn furnace(phase: Phase) -> Scene {
+pub fn furnace(phase: Phase) -> Scene {
     let mut scene = wild_towel(Interpolation::Linear);
     let mut design = Design::default();
     design.pile.phase = phase;

@@ -1,7 +1,7 @@
 //! Skeleton: the ground weave's yarns.
 
 use egui::Ui;
-use renderer_core::design::SkeletonDesign;
+use renderer_core::design::{SkeletonDesign, SkeletonShading};
 
 use crate::designer::widgets::{check, choice, colour, number};
 
@@ -23,6 +23,20 @@ pub fn show(ui: &mut Ui, skeleton: &mut SkeletonDesign) {
         "How the height of a ground yarn follows over and under.",
         &mut skeleton.height,
     );
+    choice(
+        ui,
+        "Shading",
+        "How a ground yarn scatters light.",
+        &mut skeleton.shading,
+    );
+    let shading = skeleton.shading;
+    ui.add_enabled_ui(shading != SkeletonShading::Lambert, |ui| {
+        number(ui, &fields.specular, &mut skeleton.specular);
+        number(ui, &fields.exponent, &mut skeleton.exponent);
+    });
+    ui.add_enabled_ui(shading == SkeletonShading::PoulinFournier, |ui| {
+        number(ui, &fields.fibre_spacing, &mut skeleton.fibre_spacing);
+    });
     colour(
         ui,
         "Colour",

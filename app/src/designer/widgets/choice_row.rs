@@ -3,7 +3,7 @@
 use egui::{ComboBox, TextEdit, Ui};
 use renderer_core::design::{
     Back, Colour, EnvironmentKind, Filter, Fit, Interpolation, LengthMap, Method, NoiseKind, Phase,
-    PileKind, Sampler, SkeletonHeight, ToneMap,
+    PileKind, Sampler, SkeletonHeight, SkeletonShading, ToneMap,
 };
 
 use super::row::row;
@@ -27,7 +27,7 @@ macro_rules! choices {
         }
     )+ };
 }
-choices!(Back EnvironmentKind Filter Fit Interpolation LengthMap Method NoiseKind Phase PileKind Sampler SkeletonHeight ToneMap);
+choices!(Back EnvironmentKind Filter Fit Interpolation LengthMap Method NoiseKind Phase PileKind Sampler SkeletonHeight SkeletonShading ToneMap);
 
 /// Row with a menu of all values of an enumeration.
 pub fn choice<C: Choice>(ui: &mut Ui, name: &str, what: &str, value: &mut C) {

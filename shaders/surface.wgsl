@@ -30,9 +30,12 @@ fn arcsine(x: f32) -> f32 {
 
 // Density (p + 1)/2π·cos^p about `axis`.
 fn power_lobe(axis: vec3<f32>, p: f32, u: vec2<f32>) -> vec3<f32> {
-    let up = pow(1.0 - u.x, 1.0 / (p + 1.0));
-    let disc = sqrt(max(1.0 - up * up, 0.0)) * on_circle(u.y);
-    return disc.x * basis_x(axis) + disc.y * basis_y(axis) + up * axis;
+    // 1 − cos θ = 1 − e^−t is kept apart: where p is large, cos θ has few digits left to tell directions by.
+    let t = -log(1.0 - u.x) / (p + 1.0);
+    let series = t * (1.0 - t / 2.0 * (1.0 - t / 3.0 * (1.0 - t / 4.0 * (1.0 - t / 5.0 * (1.0 - t / 6.0)))));
+    let fall = select(1.0 - exp(-t), series, t < 0.25);
+    let disc = sqrt(max(fall * (2.0 - fall), 0.0)) * on_circle(u.y);
+    return disc.x * basis_x(axis) + disc.y * basis_y(axis) + (1.0 - fall) * axis;
 }
 
 fn phong(normal: vec3<f32>, towards_eye: vec3<f32>, towards_light: vec3<f32>) -> f32 {

@@ -8,6 +8,7 @@
 mod bounced;
 mod chart;
 mod cli;
+mod colour;
 mod designer;
 mod environment;
 mod frames;

@@ -97,7 +97,9 @@ fn every_number(design: &Design) -> Vec<(String, f64, &'static [&'static str])> 
                 // The light is constant.
                 ("light.environment", "rotation") => &[],
                 ("light.sun[0]" | "light.environment", _) => &["lights"],
-                // View and quality belong to the request; bounces matter to colours, but white is at its cap already.
+                // How much of the light comes back decides how bright fibres must be for a colour.
+                ("quality", "bounces") => &["looks"],
+                // View and the rest of quality belong to the request.
                 _ => &[],
             };
             all.push((format!("{section}.{}", field.name), other, sections));
@@ -135,15 +137,15 @@ fn choices_change_their_sections_and_no_other() {
         ("length.map", "gray", &["loops", "volumes"]),
         ("length.curve", "[[0.0, 0.0], [1.0, 0.5]]", &[]),
         ("pile.kind", "cut", &["volumes"]),
-        ("pile.phase", "frame_lambert", &["pile"]),
+        ("pile.phase", "frame_lambert", &["looks", "pile"]),
         // Only fibres need their directions in the volumes.
-        ("pile.phase", "kajiya_kay", &["volumes", "pile"]),
+        ("pile.phase", "kajiya_kay", &["looks", "volumes", "pile"]),
         ("pile.interpolation", "nearest", &["volumes"]),
         ("turbulence.kind", "worley", &["loops"]),
         ("turbulence.filter", "box", &["loops"]),
         ("skeleton.height", "paper", &["loops", "skeleton"]),
         ("skeleton.shading", "phong", &["skeleton"]),
-        ("skeleton.colour", "#803020", &["skeleton"]),
+        ("skeleton.colour", "#803020", &["looks", "skeleton"]),
         ("skeleton.visible", "false", &["skeleton"]),
         ("light.background", "#803020", &["lights"]),
         ("light.environment.colour", "#803020", &["lights"]),

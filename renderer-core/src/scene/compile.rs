@@ -7,7 +7,7 @@
 //! | -------- | ----- | ----- | ----------------------- | ---------------- | ---------- | ------------ | ----- | ------- |
 //! | sheet    | ×     |       |                         |                  |            |              |       |         |
 //! | loops    | ×     | ×     | each cell's length      | shape of frames  | ×          | yarns' shape |       |         |
-//! | looks    | ×     | ×     | colours, table          | albedo, variants | seed       |              |       | bounces |
+//! | looks    | ×     | ×     | colours, table          | optics, variants | seed       | colour       |       | bounces |
 //! | volumes  |       |       | reference length, kinds | yarn, volume     |            |              |       |         |
 //! | pile     |       |       | table                   | phase, density   |            |              |       |         |
 //! | skeleton |       | ×     |                         |                  |            | ×            |       |         |
@@ -33,7 +33,7 @@ use super::{
     Volumes,
 };
 use crate::design::{
-    Back, Chart, Design, Fault, Filter, Length, Phase, Pile, PileKind, Turbulence, Weave,
+    Back, Chart, Colour, Design, Fault, Filter, Length, Phase, Pile, PileKind, Turbulence, Weave,
 };
 
 /// Why a design has no scene.
@@ -127,8 +127,9 @@ struct LooksInputs {
     chart: Chart,
     length: Length,
     pile: Pile,
-    /// How much of the light comes back depends on it: see `albedo`.
+    /// How much of the light comes back depends on these two: see `albedo`.
     bounces: u32,
+    ground: Colour,
     seed: u32,
 }
 
@@ -185,6 +186,7 @@ impl Compiler {
             length: design.length.clone(),
             pile: design.pile.clone(),
             bounces: design.quality.bounces,
+            ground: design.skeleton.colour,
             seed: design.turbulence.seed,
         };
         let same_looks =

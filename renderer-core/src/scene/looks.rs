@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::albedo::{AlbedoTable, albedo_from_reflectance};
+use super::albedo::{AlbedoTable, Dye, albedo_from_reflectance};
 use super::chart::ChartOnSheet;
 use super::frames::loop_hash;
 use super::length::{ColourCache, LengthRule};
@@ -81,13 +81,26 @@ pub(super) fn looks(
 ) -> Vec<LoopLook> {
     let chart = ChartOnSheet::new(&design.chart, sheet.warps, sheet.wefts);
     let rule = LengthRule::new(&design.length);
-    let table = AlbedoTable::new(design.quality.bounces, design.pile.max_albedo);
+    let dye = |material: &Material| Dye {
+        phase: design.pile.phase,
+        transmission: f64::from(material.transmission),
+        ground: design.skeleton.colour.linear(),
+        bounces: design.quality.bounces,
+        max_albedo: design.pile.max_albedo,
+    };
+    let tables: Vec<AlbedoTable> = materials
+        .list
+        .iter()
+        .map(|material| AlbedoTable::new(&dye(material)))
+        .collect();
     let of_colour = |colour: [u8; 3]| -> ([u16; 3], u8) {
         let row = rule.row(colour);
         let scale = row.map_or(1.0, |row| design.length.table[row].albedo_scale);
-        let albedo = albedo_from_reflectance(Colour(colour).linear(), &table);
+        let material = row.map_or(0, |row| materials.of_row[row]);
+        let table = &tables[usize::from(material)];
+        let albedo = albedo_from_reflectance(Colour(colour).linear(), table);
         let stored = albedo.map(|a| ((a * scale).clamp(0.0, 1.0) * 65535.0).round() as u16);
-        (stored, row.map_or(0, |row| materials.of_row[row]))
+        (stored, material)
     };
     let rows: Vec<Vec<LoopLook>> = (0..sheet.wefts)
         .into_par_iter()

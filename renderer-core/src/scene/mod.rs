@@ -13,6 +13,7 @@ mod bounds;
 mod chart;
 mod compile;
 mod curve;
+pub mod escape;
 mod frames;
 mod grid;
 mod length;
@@ -23,7 +24,7 @@ mod turbulence;
 mod types;
 mod volumes;
 
-pub use albedo::{AlbedoTable, albedo_from_reflectance};
+pub use albedo::{AlbedoTable, Dye, albedo_from_reflectance};
 pub use chart::{ChartOnSheet, OPAQUE_FROM};
 pub use compile::{CompileError, Compiler, compile, warnings};
 pub use curve::MonotoneCurve;

@@ -163,15 +163,22 @@ fn beam_ratio(scene: &Scene, towards: DVec3, views: u32) -> (f64, f64) {
     (mean, deviation)
 }
 
-/// The most of a beam's light that one scattering of a lobe gives back to all views together: the largest ∫ψ dv over light
-/// directions. It is what bounds the gain of `frame_lambert` and `gradient_lambert`, 2|n·l|: in the mean over all light 1, so
-/// that what has been scattered once is neither multiplied nor lost, but 2 for a beam that meets all loops face on.
+/// The most of a beam's light that cloth may give back. One scattering gives back ∫ψ dv to all views together: 1 for
+/// `isotropic`; 2|n·l| for `frame_lambert` and `gradient_lambert`, which is 1 in the mean over all light, so that what has been
+/// scattered once is neither multiplied nor lost, but up to 2 for the beam itself; for `kajiya_kay` up to 1.25.
+///
+/// Measured, from above, askew and level: `isotropic` 0.99 each time; `frame_lambert` 0.63, 1.44 and 1.53, since most loops face
+/// the warps' sides: it does gain light from a beam that meets them face on, and lose it from one along them;
+/// `gradient_lambert`, whose surfaces face all sides and shade what lies behind them, 0.90, 0.99 and 0.99; `kajiya_kay` 0.86, 1.01
+/// and 1.06, all to ±0.03. Transmission makes no difference.
 fn most_of_a_beam(phase: Phase) -> f64 {
     match phase {
         Phase::Isotropic => 1.0,
-        Phase::FrameLambert | Phase::GradientLambert => 2.0,
-        // (1−s)·4/π of sin θ_l/π² and s·1.6 of the highlight with p = 12 (by quadrature, at θ_l = π/2).
-        Phase::KajiyaKay => 1.35,
+        Phase::FrameLambert => 2.0,
+        // Not its bound, which is 2 as well, but what was measured.
+        Phase::GradientLambert => 1.05,
+        // (1−s)·4/π from sin θ_l/π² and s·1.04 from the highlight, where θ_l = π/2; s = 0.1, p = 12.
+        Phase::KajiyaKay => 1.25,
     }
 }
 
@@ -184,7 +191,7 @@ fn beams() -> [DVec3; 3] {
 fn a_beam_gains_nothing_in_isotropic_pile() {
     let scene = furnace_with(Phase::Isotropic, SkeletonShading::Lambert);
     let (ratio, deviation) = beam_ratio(&scene, beams()[1], 3000);
-    assert!(deviation < 0.03, "{deviation}");
+    assert!(deviation < 0.035, "{deviation}");
     assert!(ratio < 1.0 + 3.0 * deviation, "{ratio} ± {deviation}");
     // Some is on its way after 64 scatterings.
     assert!(ratio > 0.85, "{ratio} ± {deviation}");
@@ -198,7 +205,7 @@ fn beams_gain_no_more_than_the_first_scattering_may_give() {
         for transmission in [0.0, 0.5] {
             let mut scene = furnace_with(phase, SkeletonShading::Lambert);
             edit_pile(&mut scene, |pile| {
-                pile.materials[0].transmission = transmission
+                pile.materials[0].transmission = transmission;
             });
             for towards in beams() {
                 let (ratio, deviation) = beam_ratio(&scene, towards, 4000);
@@ -209,9 +216,6 @@ fn beams_gain_no_more_than_the_first_scattering_may_give() {
                 assert!(ratio > 0.5, "{told}");
             }
         }
-    }
-    if std::env::var("TELL").is_ok() {
-        panic!("{told}");
     }
 }
 

@@ -1,7 +1,7 @@
 // ENTRY error_main: for every tile the sums behind the error estimate (MODEL.md §10): the spread of the four
 // scrambles' means, and the mean. One workgroup a tile; the host adds up the few numbers that are left.
 
-// (sum of the variance of the mean, sum of the mean) of luminance over the pixels of a tile.
+// (sum of the variance of the mean, sum of the mean) of the three channels over the pixels of a tile.
 @group(1) @binding(6) var<storage, read_write> tile_errors: array<vec2<f32>>;
 
 var<workgroup> partial: array<vec2<f32>, WORKGROUP>;
@@ -10,13 +10,15 @@ fn pixel_error(tile: u32, in_tile: vec2<u32>) -> vec2<f32> {
     if any(tile_corner(tile) + in_tile >= slice.size) {
         return vec2<f32>();
     }
-    let sum = sums[sum_index(tile, in_tile) + SUM_LUMINANCE];
+    let at = sum_index(tile, in_tile);
+    let sum = sums[at + SUM_SIGNED];
     // Asked for only at sample counts that all scrambles share equally.
     let means = sum * f32(SCRAMBLES) / f32(max(slice.samples_before, 1u));
     let mean = dot(means, vec4<f32>(0.25));
     let off = means - mean;
     // Variance of the mean of four: the sample variance (÷ 3) over 4.
-    return vec2<f32>(dot(off, off) / 12.0, mean);
+    let colour = sums[at + SUM_COLOUR].xyz / f32(max(slice.samples_before, 1u));
+    return vec2<f32>(dot(off, off) / 12.0, colour.x + colour.y + colour.z);
 }
 
 @compute @workgroup_size(WORKGROUP)

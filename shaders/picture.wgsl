@@ -38,10 +38,10 @@ struct Slice {
 
 const TONE_NONE: u32 = 0u;
 const TONE_FILMIC: u32 = 1u;
-// Vectors of a pixel in the accumulation: radiance and coverage, luminance by scramble, then with AOV normal and depth,
+// Vectors of a pixel in the accumulation: radiance and coverage, signed sums by scramble, then with AOV normal and depth,
 // albedo and count of the samples that met cloth.
 const SUM_COLOUR: u32 = 0u;
-const SUM_LUMINANCE: u32 = 1u;
+const SUM_SIGNED: u32 = 1u;
 const SUM_NORMAL: u32 = 2u;
 const SUM_ALBEDO: u32 = 3u;
 const SUMS: u32 = 2u;
@@ -51,6 +51,13 @@ const COARSEST: u32 = 16u;
 
 @group(1) @binding(1) var<storage, read_write> sums: array<vec4<f32>>;
 @group(1) @binding(2) var<uniform> slice: Slice;
+
+// The signs with which the channels of a pixel make up the one number that its error is estimated from: over every
+// 2 × 2 pixels all products of two channels cancel, and what is left is the sum of the channels' variances.
+fn channel_signs(pixel: vec2<u32>) -> vec3<f32> {
+    let minus = pixel.x % 2u + 2u * (pixel.y % 2u);
+    return select(vec3<f32>(1.0), vec3<f32>(-1.0), vec3<u32>(1u, 2u, 3u) == vec3<u32>(minus));
+}
 
 fn sums_per_pixel() -> u32 {
     if AOV {

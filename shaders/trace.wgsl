@@ -165,10 +165,9 @@ fn trace_main(@builtin(global_invocation_id) id: vec3<u32>) {
         let path = trace_path(camera.ray, film, seed, sample);
         let met = path.first.what != NOTHING;
         sums[first_sum + SUM_COLOUR] += vec4<f32>(path.radiance, f32(met));
-        // Rec. 709.
-        let luminance = dot(path.radiance, vec3<f32>(0.2126, 0.7152, 0.0722));
+        let signed_sum = dot(path.radiance, channel_signs(in_tile));
         let scramble = vec4<u32>(sample % SCRAMBLES) == vec4<u32>(0u, 1u, 2u, 3u);
-        sums[first_sum + SUM_LUMINANCE] += select(vec4<f32>(), vec4<f32>(luminance), scramble);
+        sums[first_sum + SUM_SIGNED] += select(vec4<f32>(), vec4<f32>(signed_sum), scramble);
         if AOV && met {
             let facing = select(-1.0, 1.0, dot(path.first.normal, camera.ray.direction) <= 0.0) * path.first.normal;
             sums[first_sum + SUM_NORMAL] += vec4<f32>(facing, camera.from_eye + path.first.t);

@@ -11,6 +11,7 @@ mod cli;
 mod colour;
 mod designer;
 mod environment;
+mod error_estimate;
 mod frames;
 mod geometry;
 mod gpu_backend;

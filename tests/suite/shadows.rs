@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use renderer_core::cpu::CpuBackend;
 use renderer_core::design::{Design, Method, Phase, Sampler};
 use renderer_core::image::Picture;
-use renderer_core::render::Backend;
+use renderer_core::render::{Backend, RenderError};
 
 use crate::support::compare::{REPEATS, same_means, same_samples};
 use crate::support::device::{exact_gpu, finish, gpu, on_cpu};
@@ -35,6 +35,10 @@ fn without_shadows_every_point_has_all_its_light() {
         });
         assert!(light.iter().all(|&light| light > 0.0));
         for backend in [&mut gpu() as &mut dyn Backend, &mut CpuBackend::default()] {
+            // The GPU does not draw all methods.
+            if matches!(backend.begin(&request), Err(RenderError::Method(_))) {
+                continue;
+            }
             let picture = finish(backend, &request);
             let albedo = &picture.aov.as_ref().unwrap().albedo;
             let mut covered = 0;

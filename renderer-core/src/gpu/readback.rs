@@ -216,7 +216,8 @@ pub fn error_estimate(
         }
     }
     let [width, height] = accumulation.size.map(f64::from);
-    let count = width * height;
+    // Three channels.
+    let count = 3.0 * width * height;
     // A black picture has no relative error; its spread is 0 as well.
     Ok(if sum > 0.0 {
         (variance / count).sqrt() / (sum / count)

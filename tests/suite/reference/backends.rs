@@ -8,6 +8,7 @@ use glam::DVec3;
 use renderer_core::cpu::CpuBackend;
 use renderer_core::design::{CameraDesign, Design, Interpolation, Method, Sampler};
 use renderer_core::image::Picture;
+use renderer_core::image::metrics;
 use renderer_core::reference::ReferenceBackend;
 use renderer_core::render::accumulation::{Accumulation, Pass, Sample};
 use renderer_core::render::{
@@ -218,14 +219,7 @@ fn an_error_target_ends_at_a_power_of_two() {
     (request.settings.samples, request.settings.error) = (8 * progress.samples, 0.0);
     request.settings.seed += 1;
     let truth = render(&mut CpuBackend::default(), &request, FOREVER);
-    let luminance = |p: &[f32; 4]| f64::from(0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2]);
-    let count = truth.pixels.len() as f64;
-    let pairs = picture.pixels.iter().zip(&truth.pixels);
-    let square: f64 = pairs
-        .map(|(a, b)| (luminance(a) - luminance(b)).powi(2))
-        .sum();
-    let mean = truth.pixels.iter().map(luminance).sum::<f64>() / count;
-    let error = (square / count).sqrt() / mean;
+    let error = metrics::rel_rmse(&picture, &truth).expect("equal sizes");
     assert!(
         (0.8..1.25).contains(&(error / estimate)),
         "true {error}, estimated {estimate}"
@@ -234,32 +228,38 @@ fn an_error_target_ends_at_a_power_of_two() {
 
 #[test]
 fn the_error_estimate_is_the_spread_of_four_scrambles() {
-    // Every sample of scramble s has the value 1 + s, so the means are 1, 2, 3, 4 everywhere: mean 2.5, variance of that
-    // mean Σ(mᵢ − 2.5)²/12 = 5/12.
-    let mut accumulation = Accumulation::new([37, 18], false);
-    for (tile, finished) in accumulation
-        .tiles
-        .iter_mut()
-        .zip([8, 9].into_iter().cycle())
-    {
-        let last = (0..4 + finished).fold(Pass::default(), |pass, _| pass.next());
+    // Every sample of scramble s has the value (1 + s)·(1, 2, −1): four independent means, of which the mean's variance is
+    // Σ(mᵢ − 2.5)²/12 = 5/12 times 1, 4 and 1. Tiles have 8 or 10 samples, whose means are 2.5 and 23/10.
+    let colour = DVec3::new(1.0, 2.0, -1.0);
+    let size = [36, 18];
+    let mut accumulation = Accumulation::new(size, false);
+    let counts = [8, 10].into_iter().cycle();
+    for (tile, finished) in accumulation.tiles.iter_mut().zip(counts) {
+        let last = (0..4 + finished - 1).fold(Pass::default(), |pass, _| pass.next());
         while !tile.has_finished(last) {
             tile.draw_row(|_, number| Sample {
-                radiance: DVec3::splat(1.0 + f64::from(number % 4)),
+                radiance: colour * (1.0 + f64::from(number % 4)),
                 first: None,
             });
         }
     }
-    let estimate = accumulation.error_estimate().expect("enough samples");
-    assert!(
-        (estimate - (5.0_f64 / 12.0).sqrt() / 2.5).abs() < 1e-12,
-        "{estimate}"
-    );
-    // 9 samples or 10: each pixel's mean is of all its samples.
     let picture = accumulation.picture();
-    let nine = 21.0 / 9.0;
-    assert_eq!(picture.pixels[0], [nine, nine, nine, 0.0]);
-    assert_eq!(picture.pixels[16][0], 23.0 / 10.0);
+    let sum: f64 = picture
+        .pixels
+        .iter()
+        .flat_map(|p| &p[..3])
+        .map(|&c| f64::from(c))
+        .sum();
+    let mean = sum / f64::from(3 * size[0] * size[1]);
+    let estimate = accumulation.error_estimate().expect("enough samples");
+    let expected = (5.0_f64 / 12.0 * (1.0 + 4.0 + 1.0) / 3.0).sqrt() / mean;
+    // Pictures are f32.
+    assert!(
+        (estimate / expected - 1.0).abs() < 1e-6,
+        "{estimate} {expected}"
+    );
+    assert_eq!(picture.pixels[0], [2.5, 5.0, -2.5, 0.0]);
+    assert_eq!(picture.pixels[16][0], 2.3);
 
     let mut young = Accumulation::new([3, 3], false);
     assert_eq!(young.error_estimate(), None);

@@ -3,6 +3,7 @@
 //! Results go to files and to stdout, everything else to stderr. Exit codes: 0 done, 1 failed, 2 bad arguments or preset.
 
 mod arguments;
+pub mod bench;
 mod check;
 mod export;
 mod info;
@@ -46,6 +47,8 @@ struct Arguments {
 enum Command {
     /// Render a preset to a PNG (as displayed) or EXR (linear) file.
     Render(Box<render::RenderArguments>),
+    /// Measure run time against error of every method: a table, plots and a summary.
+    Bench(bench::BenchArguments),
     /// Validate presets; print every fault with line and column.
     Check(check::CheckArguments),
     /// Write what a preset is made of: its loops, volumes or turbulence.
@@ -98,6 +101,7 @@ fn run() -> anyhow::Result<()> {
     };
     match arguments.command {
         Some(Command::Render(arguments)) => render::run(&arguments),
+        Some(Command::Bench(arguments)) => bench::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
         Some(Command::Export(export)) => export::run(&export),
         Some(Command::Info) => info::run(),

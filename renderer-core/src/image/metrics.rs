@@ -34,6 +34,13 @@ pub fn rel_rmse(a: &Picture, b: &Picture) -> Result<f64, SizesDiffer> {
     })
 }
 
+/// Mean of all channels of all pixels, what relRMSE is relative to.
+pub fn mean(picture: &Picture) -> f64 {
+    let channels = picture.pixels.iter().flat_map(|pixel| &pixel[..3]);
+    let sum: f64 = channels.map(|&channel| f64::from(channel)).sum();
+    sum / (3 * picture.pixels.len()).max(1) as f64
+}
+
 /// Pixels to a degree of the eye's view, for [`flip`]: a screen of 0.7 m width and 3840 pixels, seen from 0.7 m.
 const PIXELS_PER_DEGREE: f32 = 67.0;
 
@@ -104,7 +111,11 @@ fn pairs<'p>(
     Ok(channels.flat_map(|(a, b)| (0..3).map(move |c| (f64::from(a[c]), f64::from(b[c])))))
 }
 
-fn check_sizes(a: &Picture, b: &Picture) -> Result<(), SizesDiffer> {
+/// Whether two pictures have the same size.
+///
+/// # Errors
+/// When they do not.
+pub fn check_sizes(a: &Picture, b: &Picture) -> Result<(), SizesDiffer> {
     if a.size == b.size && a.pixels.len() == b.pixels.len() {
         Ok(())
     } else {

@@ -1,0 +1,99 @@
+//! The table of all measurements as CSV (RFC 4180), a row for each setting and number of samples; units in the header.
+
+use renderer_core::render::Counters;
+
+use super::measure::{Findings, Row};
+use super::truth::Known;
+use super::{Conditions, Measured};
+
+const HEADER: &str = "preset,backend,width [px],height [px],bounces,method,sampler,shadows,setting bounces,traced bounces,samples [1/px],\
+    clock time [s],processor time [s],error [relRMSE],error is below the truth's noise,measured error [relRMSE],\
+    estimated noise [relRMSE],FLIP [0 to 1],rounds,truth's noise [relRMSE],FLIP between the truth's halves [0 to 1],\
+    rays [1/sample],shadow rays [1/sample],cells [1/ray],patch tests [1/ray],volume samples [1/ray]";
+
+/// The file.
+pub fn write(conditions: &Conditions, all: &[Measured]) -> String {
+    let mut lines = vec![HEADER.to_owned()];
+    for measured in all {
+        for findings in &measured.findings {
+            let rows = findings.rows.iter();
+            lines.extend(rows.map(|row| line(conditions, &measured.name, findings, row)));
+        }
+    }
+    lines.join("\r\n") + "\r\n"
+}
+
+fn line(conditions: &Conditions, preset: &str, findings: &Findings, row: &Row) -> String {
+    let setting = &findings.target.settings[row.setting];
+    let truth = &findings.truth;
+    let [width, height] = conditions.size;
+    let (error, below) = match row.error {
+        Known::Error(error) => (number(error), "false"),
+        Known::BelowNoise => (String::new(), "true"),
+    };
+    let mut fields = vec![
+        quoted(preset),
+        conditions.backend.name().into(),
+        width.to_string(),
+        height.to_string(),
+        findings.target.bounces.to_string(),
+        setting.method.name(),
+        setting.sampler.name(),
+        setting.shadows.to_string(),
+        setting.bounces.to_string(),
+        setting.traced_bounces.to_string(),
+        row.samples.to_string(),
+        number(row.spent.wall.as_secs_f64()),
+        optional(row.spent.processor.map(|time| time.as_secs_f64())),
+        error,
+        below.into(),
+        number(row.measured),
+        optional(row.estimate),
+        number(row.flip),
+        row.rounds.to_string(),
+        number(truth.noise),
+        number(truth.flip_between_halves),
+    ];
+    let counters = findings.characters[row.setting].counters;
+    fields.extend(work(counters, f64::from(width * height)).map(optional));
+    fields.join(",")
+}
+
+/// Rays and shadow rays a sample, then cells, patch tests and volume samples a ray of either kind.
+fn work(counters: Option<Counters>, samples: f64) -> [Option<f64>; 5] {
+    let Some(counters) = counters else {
+        return [None; 5];
+    };
+    let rays = (counters.rays + counters.shadow_rays).max(1) as f64;
+    [
+        counters.rays as f64 / samples,
+        counters.shadow_rays as f64 / samples,
+        counters.cells as f64 / rays,
+        counters.patch_tests as f64 / rays,
+        counters.volume_samples as f64 / rays,
+    ]
+    .map(Some)
+}
+
+fn optional(value: Option<f64>) -> String {
+    value.map_or_else(String::new, number)
+}
+
+/// Six significant digits: more than any of this is known to.
+fn number(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return value.to_string();
+    }
+    let digits = 5 - value.abs().log10().floor() as i32;
+    let scale = 10_f64.powi(digits);
+    // Shortest text of the rounded value.
+    ((value * scale).round() / scale).to_string()
+}
+
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
+}

@@ -1,0 +1,146 @@
+//! What is measured: the settings, each a curve of the plot, and which truth they are held to.
+//!
+//! Methods differ by their bias in the light that scatters once (MODEL.md §9): every preset is measured for it. Where a
+//! preset's own pictures have more scatterings, these are a second target, with a truth of their own.
+
+use renderer_core::design::{Method, Quality, Sampler};
+
+/// The method that makes the truth. It has no step and no bias, nothing but noise, and that noise falls some three times
+/// as fast as that of `exact`, which differs from it by its step alone: the table of costs tells by how much.
+pub const TRUTH: Method = Method::Tracked;
+
+/// Everything that a picture's maker can choose but the number of samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Setting {
+    /// How a ray gathers light.
+    pub method: Method,
+    /// Where random numbers come from.
+    pub sampler: Sampler,
+    /// Rays towards lights are followed.
+    pub shadows: bool,
+    /// Most scatterings of a path.
+    pub bounces: u32,
+    /// Scatterings after which the light of further ones is estimated, not traced; 0 traces all.
+    pub traced_bounces: u32,
+}
+
+impl Setting {
+    /// As in tables: "single, random, no shadows".
+    pub fn name(&self, target: &Target) -> String {
+        let sampler = match self.sampler {
+            Sampler::Owen => "Owen",
+            Sampler::Random => "random",
+        };
+        let shadows = if self.shadows { "" } else { ", no shadows" };
+        let bounces = match self.bounces {
+            bounces if bounces == target.bounces => String::new(),
+            bounces => format!(", bounces = {bounces}"),
+        };
+        let traced = match self.traced_bounces {
+            0 => String::new(),
+            traced => format!(", traced_bounces = {traced}"),
+        };
+        format!(
+            "{}, {sampler}{shadows}{bounces}{traced}",
+            self.method.name()
+        )
+    }
+
+    /// Whether all light of `target` is traced.
+    pub fn is_whole(&self, target: &Target) -> bool {
+        self.bounces == target.bounces && self.traced_bounces == 0
+    }
+
+    /// How much of the time this setting gets: most for those that a user would choose.
+    fn weight(&self) -> f64 {
+        match (self.sampler, self.shadows) {
+            // A yardstick, and no choice.
+            _ if self.method == Method::SixFace => 0.5,
+            (Sampler::Owen, true) => 4.0,
+            (Sampler::Random, true) => 1.0,
+            // The error soon stops falling.
+            (_, false) => 0.5,
+        }
+    }
+}
+
+/// The part of `left` that the first of `settings` may use now, if the others are to have theirs.
+pub fn share(settings: &[Setting], left: f64) -> f64 {
+    let weights: f64 = settings.iter().map(Setting::weight).sum();
+    settings
+        .first()
+        .map_or(0.0, |first| left * first.weight() / weights)
+}
+
+/// A truth, and what is held to it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Target {
+    /// Most scatterings of a path in the truth.
+    pub bounces: u32,
+    /// What is measured; those that users would choose first, so that a small budget reaches them.
+    pub settings: Vec<Setting>,
+    /// Share of the preset's budget.
+    pub share: f64,
+}
+
+impl Target {
+    /// As in titles.
+    pub fn name(&self) -> String {
+        match self.bounces {
+            1 => "light that scatters once".into(),
+            bounces => format!("light that scatters up to {bounces} times"),
+        }
+    }
+}
+
+/// What is measured of a preset with `methods`, those that the backend has.
+pub fn targets(quality: &Quality, methods: &[Method]) -> Vec<Target> {
+    let mut direct = Vec::new();
+    for (sampler, shadows) in [
+        (Sampler::Owen, true),
+        (Sampler::Random, true),
+        (Sampler::Owen, false),
+        (Sampler::Random, false),
+    ] {
+        direct.extend(methods.iter().map(|&method| Setting {
+            method,
+            sampler,
+            shadows,
+            bounces: 1,
+            traced_bounces: 0,
+        }));
+    }
+    let has_more = quality.bounces > 1;
+    let mut targets = vec![Target {
+        bounces: 1,
+        settings: direct,
+        share: if has_more { 0.6 } else { 1.0 },
+    }];
+    if has_more {
+        targets.push(Target {
+            bounces: quality.bounces,
+            settings: all_of_the_light(quality.bounces),
+            share: 0.4,
+        });
+    }
+    targets
+}
+
+/// Ways to the light of many scatterings: paths; the live view's estimate of all but the first; and nothing but the first.
+fn all_of_the_light(bounces: u32) -> Vec<Setting> {
+    let setting = |method, sampler, bounces, traced_bounces| Setting {
+        method,
+        sampler,
+        shadows: true,
+        bounces,
+        traced_bounces,
+    };
+    vec![
+        setting(Method::Tracked, Sampler::Owen, bounces, 0),
+        setting(Method::Tracked, Sampler::Owen, bounces, 1),
+        setting(Method::Single, Sampler::Owen, bounces, 0),
+        setting(Method::Single, Sampler::Owen, bounces, 1),
+        setting(Method::Single, Sampler::Owen, 1, 0),
+        setting(Method::Tracked, Sampler::Random, bounces, 0),
+    ]
+}

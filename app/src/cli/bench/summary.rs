@@ -1,0 +1,235 @@
+//! What the measurements say, as Markdown: which setting to take for an error, which are never worth it, and what each
+//! method costs and lacks.
+
+use std::fmt::Write as _;
+
+use renderer_core::design::{Method, Sampler};
+use renderer_core::render::Counters;
+
+use super::measure::{Character, Findings, Row};
+use super::pareto::{self, Point};
+use super::plan::TRUTH;
+use super::truth::Known;
+use super::{Conditions, Measured, clock};
+
+/// Errors for which the best setting is named, relRMSE.
+const WANTED: [f64; 4] = [0.5, 0.2, 0.1, 0.05];
+
+/// The file.
+pub fn write(conditions: &Conditions, all: &[Measured]) -> String {
+    let [width, height] = conditions.size;
+    let time = if clock::cost_is_processor_time(conditions.backend) {
+        "processor time, of all cores together"
+    } else {
+        "time by the clock"
+    };
+    let mut text = format!(
+        "# Run time against error\n\n\
+         {width} x {height} pixels, backend {} ({}), {} s a preset. Times are {time}. Errors are relRMSE against a converged \
+         truth, that one's own noise taken out; an error below that noise is not known any better.\n",
+        conditions.backend.name(),
+        conditions.device,
+        conditions.budget.as_secs_f64(),
+    );
+    for measured in all {
+        for findings in &measured.findings {
+            text += &section(conditions, &measured.name, findings);
+        }
+    }
+    text
+}
+
+/// Cost and error of every row.
+pub fn points(conditions: &Conditions, findings: &Findings) -> Vec<Point> {
+    let point = |row: &Row| Point {
+        cost: row.spent.cost(conditions.backend),
+        error: row.error.bound(findings.truth.noise),
+    };
+    findings.rows.iter().map(point).collect()
+}
+
+fn section(conditions: &Conditions, preset: &str, findings: &Findings) -> String {
+    let (target, truth) = (&findings.target, &findings.truth);
+    let points = points(conditions, findings);
+    let mut text = format!(
+        "\n## {preset}: {}\n\nTruth: `{}`, 2 halves of {} and {} samples; its own noise is {:.4}, FLIP between its halves {:.3}.\n\n",
+        target.name(),
+        TRUTH.name(),
+        truth.samples[0],
+        truth.samples[1],
+        truth.noise,
+        truth.flip_between_halves,
+    );
+    text += &best(findings, &points);
+    text += &dominated(findings, &points);
+    text += &costs(conditions, findings);
+    text
+}
+
+fn setting_name(findings: &Findings, index: usize) -> String {
+    findings.target.settings[index].name(&findings.target)
+}
+
+/// The Pareto-best setting for each wanted error.
+fn best(findings: &Findings, points: &[Point]) -> String {
+    let noise = findings.truth.noise;
+    let mut text = String::from(
+        "| error wanted | cheapest setting | samples | time | its error | its FLIP |\n| --- | --- | --- | --- | --- | --- |\n",
+    );
+    for wanted in WANTED {
+        let line = match pareto::cheapest(points, wanted) {
+            Some(index) => {
+                let row = &findings.rows[index];
+                format!(
+                    "{} | {} | {} | {} | {:.3}",
+                    setting_name(findings, row.setting),
+                    row.samples,
+                    seconds(points[index].cost),
+                    error(row.error, noise),
+                    row.flip,
+                )
+            }
+            None if wanted < noise => "not to be told: below the truth's noise | | | |".into(),
+            None => "none in this time | | | |".into(),
+        };
+        let _ = writeln!(text, "| {wanted} | {line} |");
+    }
+    text
+}
+
+/// Settings without a place on the Pareto front.
+fn dominated(findings: &Findings, points: &[Point]) -> String {
+    let settings = findings.target.settings.len();
+    let mut text = String::new();
+    let mut missing = Vec::new();
+    for index in 0..settings {
+        let group: Vec<usize> = (0..points.len())
+            .filter(|&row| findings.rows[row].setting == index)
+            .collect();
+        if group.is_empty() {
+            missing.push(setting_name(findings, index));
+        } else if let Some(factor) = pareto::domination(points, &group) {
+            let name = setting_name(findings, index);
+            let _ = writeln!(
+                text,
+                "- {name}: another gives the same error in 1/{factor:.1} of the time, or less"
+            );
+        }
+    }
+    if text.is_empty() {
+        text = "- none\n".into();
+    }
+    text.insert_str(
+        0,
+        "\nDominated (another setting is cheaper and no worse, at any number of samples):\n\n",
+    );
+    if !missing.is_empty() {
+        let _ = writeln!(
+            text,
+            "\nNot measured, since time was up: {}.",
+            missing.join("; ")
+        );
+    }
+    text
+}
+
+/// Cost ratios of the methods, dearest first, and what each lacks.
+fn costs(conditions: &Conditions, findings: &Findings) -> String {
+    let of = |method| {
+        let mut settings = findings.target.settings.iter();
+        let index = settings.position(|setting| {
+            (setting.method, setting.sampler, setting.shadows) == (method, Sampler::Owen, true)
+                && setting.is_whole(&findings.target)
+        })?;
+        let character = &findings.characters[index];
+        Cost::new(method, character, conditions)
+    };
+    let mut costs: Vec<Cost> = Method::ALL.iter().copied().filter_map(of).collect();
+    costs.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));
+    let single = costs
+        .iter()
+        .find(|cost| cost.method == Method::Single)
+        .cloned();
+    let Some(single) = single else {
+        return String::new();
+    };
+    let mut text = String::from(
+        "\n| method | time a sample | times single | patch tests a ray | volume samples a ray | own bias |\n\
+         | --- | --- | --- | --- | --- | --- |\n",
+    );
+    for cost in &costs {
+        let _ = writeln!(
+            text,
+            "| {} | {} | {:.2} | {:.1} | {:.1} | {} |",
+            cost.method.name(),
+            seconds(cost.seconds),
+            cost.seconds / single.seconds,
+            cost.patch_tests,
+            cost.volume_samples,
+            cost.bias,
+        );
+    }
+    let names: Vec<String> = costs.iter().map(|cost| cost.method.name()).collect();
+    let ratio = |value: fn(&Cost) -> f64| {
+        let ratios = costs
+            .iter()
+            .map(|cost| format!("{:.2}", value(cost) / value(&single)));
+        ratios.collect::<Vec<_>>().join(" : ")
+    };
+    let _ = writeln!(
+        text,
+        "\n{} = {} in time, {} in patch tests and {} in volume samples a ray.",
+        names.join(" : "),
+        ratio(|cost| cost.seconds),
+        ratio(|cost| cost.patch_tests),
+        ratio(|cost| cost.volume_samples),
+    );
+    text
+}
+
+/// What a method costs.
+#[derive(Debug, Clone)]
+struct Cost {
+    method: Method,
+    seconds: f64,
+    patch_tests: f64,
+    volume_samples: f64,
+    bias: String,
+}
+
+impl Cost {
+    fn new(method: Method, character: &Character, conditions: &Conditions) -> Option<Self> {
+        let Counters {
+            rays,
+            shadow_rays,
+            patch_tests,
+            volume_samples,
+            ..
+        } = character.counters?;
+        let rays = (rays + shadow_rays).max(1) as f64;
+        Some(Self {
+            method,
+            seconds: character.per_sample?.cost(conditions.backend),
+            patch_tests: patch_tests as f64 / rays,
+            volume_samples: volume_samples as f64 / rays,
+            bias: character
+                .bias
+                .map_or_else(|| "not measured".into(), |bias| bias.to_string()),
+        })
+    }
+}
+
+fn error(error: Known, noise: f64) -> String {
+    match error {
+        Known::Error(error) => format!("{error:.3}"),
+        Known::BelowNoise => format!("below {noise:.3}"),
+    }
+}
+
+fn seconds(seconds: f64) -> String {
+    if seconds < 1.0 {
+        format!("{:.0} ms", seconds * 1e3)
+    } else {
+        format!("{seconds:.1} s")
+    }
+}

@@ -521,7 +521,7 @@ fn bad_arguments_are_refused_with_value_and_what_is_allowed() {
         (2, "-o x.png --error nan", &["'nan'", "above 0, up to 1"]),
         (2, "-o x.png --time -2", &["'-2'", "seconds above 0"]),
         (2, "-o x.png --time inf", &["'inf'", "seconds above 0"]),
-        (2, "-o x.png --method exact", &["'exact'", "\"single\", \"layered\" or \"tracked\""]),
+        (2, "-o x.png --method six", &["'six'", "\"single\", \"layered\", \"exact\", \"six-face\" or \"tracked\""]),
         (2, "-o x.png --backend abacus", &["'abacus'", "auto, gpu, cpu, reference"]),
         (2, "-o x.png --camera behind", &["small.toml: there is no camera \"behind\", allowed are \"above\", \"side\""]),
         (2, "-o x.png --set pile.tlit=3", &["--set pile.tlit=3: pile.tlit is not a field; did you mean pile.tilt?"]),

@@ -570,7 +570,7 @@ section! {
             /// Its colour, where it is constant.
             colour: Colour = Colour::WHITE;
             /// Colour of the gradient straight above the cloth.
-            zenith: Colour = Colour([176, 205, 255]);
+            zenith: Colour = Colour([200, 220, 255]);
             /// Colour of the gradient all around in the cloth's plane.
             horizon: Colour = Colour([255, 250, 240]);
             /// Colour of the gradient below the cloth.

@@ -15,7 +15,7 @@ pub struct State {
     thumbnail: Thumbnail<(EnvironmentImage, f64)>,
 }
 
-/// Width of the picture of the surroundings, points.
+/// Columns of the picture of the surroundings, half of them, so that high resolutions have something to show.
 const WIDTH: usize = 256;
 
 /// Shows the panel.
@@ -133,7 +133,8 @@ fn picture(
             as_seen(image, *radiance)
         });
     ui.add_space(2.0);
-    let size = vec2(WIDTH as f32, WIDTH as f32 / 2.0);
+    let width = ui.available_width().min(2.0 * WIDTH as f32);
+    let size = vec2(width, width / 2.0);
     show_thumbnail(ui, &texture, size, "Image of the surroundings").on_hover_text(
         "As bright as it is in the scene, without exposure. Up is above the cloth, the middle beyond its far edge unless it is turned.",
     );

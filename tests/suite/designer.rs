@@ -12,7 +12,9 @@ use egui::accesskit::Role;
 use egui::{Key, Modifiers, Pos2, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use renderer_core::design::{Design, EnvironmentKind, LengthMap, Numbers, Pattern};
+use renderer_core::design::{
+    Design, EnvironmentKind, LengthEntry, LengthMap, Numbers, Pattern, Phase,
+};
 use renderer_core::gpu;
 use renderer_core::image::Picture;
 use renderer_core::render::{Backend, BackendKind, Counters, Progress, RenderError, RenderRequest};
@@ -450,6 +452,35 @@ fn each_length_map_has_its_controls() {
     assert_eq!(design(&harness).length.table.len(), 2);
     click(&mut harness, "Remove row 1");
     assert_eq!(design(&harness).length.table.len(), 1);
+}
+
+#[test]
+fn rows_of_lengths_have_the_parameters_of_the_piles_phase() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("fibres.toml");
+    let mut original = Design::default();
+    original.pile.phase = Phase::KajiyaKay;
+    original.pile.exponent = 44.0;
+    original.length.map = LengthMap::Lut;
+    original.length.table = vec![LengthEntry::default()];
+    files::save_design(&original, &path, None).expect("saved");
+    let mut harness = designer_of_size(Some(path), vec2(1280.0, 1600.0));
+    wait(&mut harness, "the preset", |h| {
+        h.state().document().path().is_some()
+    });
+    open_panel(&mut harness, "Loop length");
+    let own = |h: &mut Harness<'_, App>, label: &str| {
+        h.get_by_role_and_label(Role::CheckBox, label).click();
+        h.run_steps(3);
+        design(h).length.table[0].clone()
+    };
+    // A row of its own starts as the pile is.
+    assert_eq!(own(&mut harness, "Own exponent").exponent, Some(44.0));
+    assert_eq!(own(&mut harness, "Own specular").specular, Some(0.1));
+    assert!(harness.query_by_label("Own transmission").is_none());
+    type_number(&mut harness, "Own exponent", "9");
+    assert_eq!(wished(&harness).length.table[0].exponent, Some(9.0));
+    assert_eq!(own(&mut harness, "Own exponent").exponent, None);
 }
 
 #[test]

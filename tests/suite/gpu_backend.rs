@@ -4,7 +4,10 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use renderer_core::cpu::CpuBackend;
-use renderer_core::design::{Colour, Design, LengthMap, Method, Phase, SkeletonHeight, ToneMap};
+use renderer_core::design::{
+    Colour, Design, EnvironmentImage, EnvironmentKind, EnvironmentReader, LengthMap, Method, Phase,
+    SkeletonHeight, ToneMap,
+};
 use renderer_core::gpu::{GpuBackend, GpuContext};
 use renderer_core::image::{Display, Picture};
 use renderer_core::render::{Backend, RenderError, RenderRequest};
@@ -155,12 +158,21 @@ fn sizes_are_checked() {
     }
 }
 
+/// Surroundings of 8 × 4 pixels, the first `bright` columns white.
+fn sky(bright: usize) -> EnvironmentImage {
+    let mut reader = EnvironmentReader::new(8, 4).unwrap();
+    for k in 0..32 {
+        reader.add(k % 8, k / 8, [f32::from(u8::from(k % 8 < bright)); 3]);
+    }
+    reader.finish().unwrap()
+}
+
 /// What changes, and how.
 type Edit = (&'static str, fn(&mut Design));
 
 #[test]
 fn a_changed_scene_is_drawn_as_by_a_new_backend() {
-    let edits: [Edit; 9] = [
+    let edits: [Edit; 13] = [
         ("looks", |d| d.chart.colour = Colour([90, 30, 200])),
         ("loops", |d| d.turbulence.seed += 1),
         ("length", |d| {
@@ -171,6 +183,18 @@ fn a_changed_scene_is_drawn_as_by_a_new_backend() {
         ("exponent", |d| d.pile.exponent = 40.0),
         ("skeleton", |d| d.skeleton.height = SkeletonHeight::Paper),
         ("lights", |d| d.light.sun[0].elevation = 20.0),
+        ("gradient", |d| {
+            d.light.environment.kind = EnvironmentKind::Gradient;
+        }),
+        ("picture", |d| {
+            let environment = &mut d.light.environment;
+            (environment.kind, environment.image) = (EnvironmentKind::Image, Some("sky".into()));
+            environment.pixels = Some(sky(2));
+        }),
+        ("another picture", |d| {
+            d.light.environment.pixels = Some(sky(7));
+        }),
+        ("a turned picture", |d| d.light.environment.rotation = 60.0),
         ("sheet", |d| d.sheet.warps_per_cm = 11.0),
     ];
     let mut design = small_towel();

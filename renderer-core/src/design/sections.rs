@@ -575,7 +575,7 @@ section! {
             horizon: Colour = Colour([255, 250, 240]);
             /// Colour of the gradient below the cloth.
             ground: Colour = Colour([120, 112, 100]);
-            /// Path of the image, relative to the preset: equirectangular, .hdr or .exr with linear light, .png or .jpg as sRGB.
+            /// Path of the image, relative to the preset: equirectangular, .hdr or .exr with linear light, .png or .jpg as sRGB; up to 8192 × 4096 pixels, averaged down to 1024 × 512.
             #[serde(skip_serializing_if = "Option::is_none")]
             image: Option<String> = None;
             /// The decoded image; read by the program's file layer, never by serde.

@@ -1,10 +1,11 @@
 // Ray against bilinear patch, in f32, relative to the loop's own cell; mm.
 //
-// With s = 2u − 1, the middle M of the base edge, half the base edge g, half the top edge e and the axis C′:
-// P(s, v) = M + v·C′ + s·(g + v·(e − g)). Eliminating s and t from P = o + t·d leaves a quadratic in v with
-// coefficients (· × ·)·d; it is solved with the sign-safe root (Reshetov, "Cool Patches", Ray Tracing Gems 2019, ch. 8;
-// Wang's §5.2 solves the same system). The origin is first moved along the ray to its point nearest M: from far away
-// the coefficients would be differences of large numbers.
+// With u′ = u − ½, v′ = v − ½ and A = 2(e − g): P = M + ½C′ + u′·(g + e) + v′·C′ + u′v′·A, where M is the middle of the base
+// edge, g half the base edge, e half the top edge and C′ the axis. A ray o + t·d meets a line of constant u′ or v′ where a
+// product of three vectors vanishes, which is a quadratic; it is solved with the sign-safe root (Reshetov, "Cool Patches",
+// Ray Tracing Gems 2019, ch. 8; Wang's §5.2 solves the same system). Of the two families of lines the one is taken that
+// runs less along the ray. The origin is first moved along the ray to its point nearest the patch's middle: from far
+// away the coefficients would be differences of large numbers.
 
 struct Patch {
     // M; its x and y are 0.
@@ -44,28 +45,83 @@ struct Roots {
 
 const NO_ROOT: vec3<f32> = vec3<f32>(-1.0, -1.0, FAR);
 
-// The crossing at a known v, or NO_ROOT where u is outside [0, 1]. `q` is M minus the moved origin.
-fn root_at(shape: Patch, q: vec3<f32>, direction: vec3<f32>, t_moved: f32, v: f32) -> vec3<f32> {
-    let across = shape.half_base + v * (shape.half_top - shape.half_base);
-    let from_origin = q + v * shape.axis;
-    let across_d = cross(across, direction);
-    let s_times = -dot(cross(from_origin, direction), across_d);
-    let squared = dot(across_d, across_d);
-    if abs(s_times) > squared || squared <= 0.0 {
+// A patch seen along a ray: with p and r in [−½, ½] and r the one that is eliminated,
+// P = Q + p·along_p + r·along_r + p·r·twist, Q from the ray's point nearest to the middle.
+struct Seen {
+    middle: vec3<f32>,
+    along_p: vec3<f32>,
+    along_r: vec3<f32>,
+    twist: vec3<f32>,
+    direction: vec3<f32>,
+    t_moved: f32,
+}
+
+// Where a line of constant p, seen along the ray, is so much shorter than the patch that p needs another step (squared): in
+// twisted patches, whose lines differ in direction, and in pointed ones.
+const SHORT: f32 = 0.01;
+
+// One step of Newton's method on the place where point and ray meet, if it is small.
+fn refined(seen: Seen, at: vec2<f32>) -> vec2<f32> {
+    let tangent_p = seen.along_p + at.y * seen.twist;
+    let tangent_r = seen.along_r + at.x * seen.twist;
+    let point = seen.middle + at.x * seen.along_p + at.y * tangent_r;
+    let area = dot(cross(tangent_p, tangent_r), seen.direction);
+    let p_area = dot(cross(tangent_r, point), seen.direction);
+    let r_area = dot(cross(point, tangent_p), seen.direction);
+    // A step leaves the product of its parts, times the twist. Where that is more than rounding two crossings are about to
+    // become one, and the method fails.
+    if abs(p_area * r_area) > 1.0e-7 * area * area || area == 0.0 {
+        return at;
+    }
+    return at + vec2<f32>(p_area, r_area) / area;
+}
+
+// The crossing (p, r, t) at a known p, or NO_ROOT where r is outside [−½, ½].
+fn root_at(seen: Seen, p: f32) -> vec3<f32> {
+    let ruling = seen.along_r + p * seen.twist;
+    let start = seen.middle + p * seen.along_p;
+    let ruling_d = cross(ruling, seen.direction);
+    let r_times = -dot(cross(start, seen.direction), ruling_d);
+    let squared = dot(ruling_d, ruling_d);
+    let is_short = squared < SHORT * dot(seen.along_r, seen.along_r);
+    // Before that step r may be a little off.
+    if abs(r_times) > select(0.5, 0.6, is_short) * squared || squared <= 0.0 {
         return NO_ROOT;
     }
-    let s = s_times / squared;
-    return vec3<f32>(0.5 * s + 0.5, v, t_moved + dot(from_origin + s * across, direction));
+    var at = vec2<f32>(p, r_times / squared);
+    if is_short {
+        at = refined(seen, at);
+        if any(abs(at) > vec2<f32>(0.5)) {
+            return NO_ROOT;
+        }
+    }
+    let point = seen.middle + at.x * seen.along_p + at.y * (seen.along_r + at.x * seen.twist);
+    return vec3<f32>(at, seen.t_moved + dot(point, seen.direction));
 }
 
 fn patch_roots(shape: Patch, origin: vec3<f32>, direction: vec3<f32>) -> Roots {
-    let to_middle = shape.middle - origin;
+    let along_u = shape.half_base + shape.half_top;
+    let along_v = shape.axis;
+    let to_middle = shape.middle + 0.5 * shape.axis - origin;
     let t_moved = dot(to_middle, direction);
-    let q = to_middle - t_moved * direction;
-    let spread = shape.half_top - shape.half_base;
-    let c0 = dot(cross(q, shape.half_base), direction);
-    let c1 = dot(cross(q, spread) + cross(shape.axis, shape.half_base), direction);
-    let c2 = dot(cross(shape.axis, spread), direction);
+    // Lines of constant p should not run along the ray: all of them would be near solutions, and rounding would choose.
+    let u_cross = cross(along_u, direction);
+    let v_cross = cross(along_v, direction);
+    let solve_u = dot(u_cross, u_cross) * dot(along_v, along_v) < dot(v_cross, v_cross) * dot(along_u, along_u);
+    let seen = Seen(
+        to_middle - t_moved * direction,
+        select(along_v, along_u, solve_u),
+        select(along_u, along_v, solve_u),
+        2.0 * (shape.half_top - shape.half_base),
+        direction,
+        t_moved,
+    );
+    let r_cross = select(u_cross, v_cross, solve_u);
+    let twist_cross = cross(seen.twist, direction);
+    // (Q + p·along_p)·((along_r + p·twist) × d) = c0 + c1·p + c2·p² = 0.
+    let c0 = dot(seen.middle, r_cross);
+    let c1 = dot(seen.middle, twist_cross) + dot(seen.along_p, r_cross);
+    let c2 = dot(seen.along_p, twist_cross);
     let discriminant = c1 * c1 - 4.0 * c0 * c2;
     var roots = Roots(0u, NO_ROOT, NO_ROOT);
     if discriminant < 0.0 {
@@ -75,18 +131,20 @@ fn patch_roots(shape: Patch, origin: vec3<f32>, direction: vec3<f32>) -> Roots {
     let q2 = -0.5 * (c1 + select(-root, root, c1 >= 0.0));
     var a = NO_ROOT;
     var b = NO_ROOT;
-    // v = c0/q2 and v = q2/c2; each division is made only where its result lies in [0, 1], so a vanishing leading
+    // p = c0/q2 and p = q2/c2; each division is made only where its result lies in [−½, ½], so a vanishing leading
     // coefficient leaves the linear root and no division by zero.
-    if q2 != 0.0 && c0 * q2 >= 0.0 && abs(c0) <= abs(q2) {
-        a = root_at(shape, q, direction, t_moved, c0 / q2);
+    if q2 != 0.0 && abs(c0) <= 0.5 * abs(q2) {
+        a = root_at(seen, c0 / q2);
     }
-    if c2 != 0.0 && root > 0.0 && q2 * c2 >= 0.0 && abs(q2) <= abs(c2) {
-        b = root_at(shape, q, direction, t_moved, q2 / c2);
+    if c2 != 0.0 && root > 0.0 && abs(q2) <= 0.5 * abs(c2) {
+        b = root_at(seen, q2 / c2);
     }
     roots.count = u32(a.z < FAR) + u32(b.z < FAR);
     let swapped = b.z < a.z;
-    roots.first = select(a, b, swapped);
-    roots.second = select(b, a, swapped);
+    let first = select(a, b, swapped);
+    let second = select(b, a, swapped);
+    roots.first = vec3<f32>(select(first.yx, first.xy, solve_u) + 0.5, first.z);
+    roots.second = vec3<f32>(select(second.yx, second.xy, solve_u) + 0.5, second.z);
     return roots;
 }
 

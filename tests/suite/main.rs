@@ -31,6 +31,7 @@ mod sections;
 mod shaders;
 mod shadows;
 mod skeleton;
+mod stability;
 mod turbulence;
 mod volumes;
 mod window;

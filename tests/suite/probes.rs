@@ -3,93 +3,11 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 use renderer_core::design::Sampler;
-use renderer_core::geometry::{BilinearPatch, LoopFrame, Ray, Root};
-use renderer_core::gpu::layout::SceneConstants;
+use renderer_core::geometry::{LoopFrame, Root};
 use renderer_core::sampling::{self, Pcg, Set};
 
+use crate::support::patches::{Case, Random, THICKNESS, answered, asked, truth};
 use crate::support::probe::{Probe, ask};
-
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-struct PatchProbe {
-    half_base: [f32; 4],
-    axis: [f32; 4],
-    half_top: [f32; 4],
-    middle: [f32; 4],
-    origin: [f32; 4],
-    direction: [f32; 4],
-}
-
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-struct PatchAnswer {
-    first: [f32; 4],
-    second: [f32; 4],
-    slopes: [f32; 4],
-    inverted: [f32; 4],
-}
-
-const THICKNESS: f32 = 0.9;
-
-/// A patch as the shader takes it, in f32, and a ray.
-#[derive(Debug, Clone, Copy)]
-struct Case {
-    half_base: Vec3,
-    axis: Vec3,
-    half_top: Vec3,
-    middle: Vec3,
-    origin: Vec3,
-    direction: Vec3,
-}
-
-impl Case {
-    fn probe(&self) -> PatchProbe {
-        let four = |v: Vec3| [v.x, v.y, v.z, 0.0];
-        PatchProbe {
-            half_base: four(self.half_base),
-            axis: four(self.axis),
-            half_top: four(self.half_top),
-            middle: four(self.middle),
-            origin: four(self.origin),
-            direction: four(self.direction),
-        }
-    }
-
-    /// The same patch in f64.
-    fn patch(&self) -> BilinearPatch {
-        let [g, c, e, m] =
-            [self.half_base, self.axis, self.half_top, self.middle].map(Vec3::as_dvec3);
-        BilinearPatch::from_corners([m - g, m + g, m + c + e, m + c - e])
-    }
-
-    fn ray(&self) -> Ray {
-        Ray {
-            origin: self.origin.as_dvec3(),
-            direction: self.direction.as_dvec3(),
-        }
-    }
-}
-
-struct Random(Pcg);
-
-impl Random {
-    fn within(&mut self, low: f32, high: f32) -> f32 {
-        low + (high - low) * self.0.next_float()
-    }
-
-    fn vector(&mut self, size: f32) -> Vec3 {
-        Vec3::from_array([(); 3].map(|()| self.within(-size, size)))
-    }
-
-    fn direction(&mut self) -> Vec3 {
-        loop {
-            let v = self.vector(1.0);
-            if (0.01..1.0).contains(&v.length_squared()) {
-                return v.normalize();
-            }
-        }
-    }
-}
 
 /// A loop 1.9 mm wide and 3 mm long, with its top edge turned by up to `twist` mm, and a ray from `distance` mm towards
 /// a point up to `beside` times the patch's size away from its middle.
@@ -109,44 +27,8 @@ fn case(random: &mut Random, twist: f32, distance: f32, beside: f32) -> Case {
         middle,
         origin: target - direction * distance,
         direction,
+        cell: [0; 2],
     }
-}
-
-fn asked(cases: &[Case]) -> Vec<PatchAnswer> {
-    let mut scene = SceneConstants::zeroed();
-    scene.thickness = THICKNESS;
-    let probe = Probe {
-        entry: "probe_patches",
-        bindings: [0, 1],
-        answer_size: size_of::<PatchAnswer>() as u64,
-        scene: Some(bytemuck::bytes_of(&scene).to_vec()),
-    };
-    let probes: Vec<PatchProbe> = cases.iter().map(Case::probe).collect();
-    let answers: Vec<PatchAnswer> = ask(&probe, &probes);
-    for (case, answer) in cases.iter().zip(&answers) {
-        let all = [answer.first, answer.second, answer.slopes, answer.inverted];
-        assert!(
-            all.as_flattened().iter().all(|value| value.is_finite()),
-            "{case:?} {answer:?}"
-        );
-    }
-    answers
-}
-
-/// Roots of a ray moved by `shift` at right angles, found in f64.
-fn truth(case: &Case, shift: DVec3) -> Vec<Root> {
-    let mut ray = case.ray();
-    ray.origin += shift;
-    case.patch().roots(&ray).as_slice().to_vec()
-}
-
-fn answered(answer: &PatchAnswer) -> Vec<Root> {
-    let root = |[u, v, t, _]: [f32; 4]| Root {
-        u: f64::from(u),
-        v: f64::from(v),
-        t: f64::from(t),
-    };
-    [root(answer.first), root(answer.second)][..answer.first[3] as usize].to_vec()
 }
 
 /// Whether the roots are the same up to what moving the ray by `tolerance` mm does; the patch is some mm in size, so that
@@ -226,6 +108,7 @@ fn grazing_and_degenerate_patches_give_no_nonsense() {
         middle: Vec3::ZERO,
         origin: Vec3::new(-3.0, 0.3, 0.7),
         direction: Vec3::X,
+        cell: [0; 2],
     };
     let cases = [
         flat,

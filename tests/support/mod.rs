@@ -2,5 +2,6 @@
 
 pub mod compare;
 pub mod device;
+pub mod patches;
 pub mod probe;
 pub mod scenes;

@@ -7,6 +7,7 @@ struct PatchProbe {
     half_top: vec4<f32>,
     // Middle of the base edge.
     middle: vec4<f32>,
+    // Of the ray, relative to its cell; w of both: the patch's cell along x and y, counted from there.
     origin: vec4<f32>,
     direction: vec4<f32>,
 }
@@ -24,27 +25,46 @@ struct PatchAnswer {
 @group(2) @binding(0) var<storage, read> patch_probes: array<PatchProbe>;
 @group(2) @binding(1) var<storage, read_write> patch_answers: array<PatchAnswer>;
 
+fn probed_patch(probe: PatchProbe) -> Patch {
+    return Patch(probe.middle.xyz, probe.half_base.xyz, probe.axis.xyz, probe.half_top.xyz);
+}
+
 @compute @workgroup_size(WORKGROUP)
 fn probe_patches(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= arrayLength(&patch_probes) {
         return;
     }
     let probe = patch_probes[id.x];
-    let shape = Patch(probe.middle.xyz, probe.half_base.xyz, probe.axis.xyz, probe.half_top.xyz);
+    let shape = probed_patch(probe);
     let normal = patch_normal(shape);
-    let roots = patch_roots(shape, probe.origin.xyz, probe.direction.xyz);
+    let ray = Ray(vec2<i32>(), probe.origin.xyz, probe.direction.xyz, 0.0);
+    let origin = origin_in_cell(ray, vec2<i32>(vec2<f32>(probe.origin.w, probe.direction.w)));
+    let roots = patch_roots(shape, origin, ray.direction);
     if roots.count == 0u {
         patch_answers[id.x] = PatchAnswer(vec4<f32>(), vec4<f32>(), vec4<f32>(), vec4<f32>());
         return;
     }
     let slopes = patch_slopes(shape, normal, probe.direction.xyz, roots.first.x, roots.first.y);
-    let point = probe.origin.xyz + roots.first.z * probe.direction.xyz;
+    let point = origin + roots.first.z * ray.direction;
     patch_answers[id.x] = PatchAnswer(
         vec4<f32>(roots.first, f32(roots.count)),
         vec4<f32>(roots.second, 0.0),
         vec4<f32>(slopes.u, slopes.v, slopes.w, slopes.bend),
         vec4<f32>(invert_point(shape, normal, point), 0.0),
     );
+}
+
+// (u, v, w) of points, which are the origins of probes.
+@group(2) @binding(4) var<storage, read_write> point_answers: array<vec4<f32>>;
+
+@compute @workgroup_size(WORKGROUP)
+fn probe_points(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= arrayLength(&patch_probes) {
+        return;
+    }
+    let shape = probed_patch(patch_probes[id.x]);
+    let at = invert_point(shape, patch_normal(shape), patch_probes[id.x].origin.xyz);
+    point_answers[id.x] = vec4<f32>(at, 0.0);
 }
 
 // Pixel's seed, sample, set.

@@ -5,6 +5,7 @@
     reason = "a test that cannot go on fails, and says where"
 )]
 
+mod agreement;
 mod bench;
 mod bounced;
 mod chart;

@@ -1,5 +1,6 @@
 //! What tests of pictures share: a device without a window, small scenes, rendering to the end, comparators.
 
+pub mod agreement;
 pub mod compare;
 pub mod device;
 pub mod patches;

@@ -26,8 +26,9 @@ section! {
 }
 
 impl Sheet {
-    /// Most crossings of warps and wefts that a sheet may have.
-    pub const MAX_CELLS: f64 = 1e8;
+    /// Most crossings of warps and wefts that a sheet may have: a carpet of four by four metres at ten loops a centimetre. With
+    /// loops on both faces of every crossing the scene and its frames take some 10 GB.
+    pub const MAX_CELLS: f64 = 16e6;
     /// Farthest that a loop may reach, in cells: what a cell list entry can address.
     pub const MAX_REACH_CELLS: f64 = 60.0;
 

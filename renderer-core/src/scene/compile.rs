@@ -44,11 +44,13 @@ pub enum CompileError {
     Invalid(Vec<Fault>),
     /// The lists of loops in cells are too long.
     #[error(
-        "the sheet has {loops} loops that reach too many cells: their lists exceed 4294967295 entries; use fewer yarns or shorter pile"
+        "pile.max_length allows {loops} loops to reach too many cells: their lists exceed {limit} entries; use shorter or wider-set pile, or less of sheet.warps and sheet.wefts"
     )]
     TooManyEntries {
         /// Loops planted.
         loops: u64,
+        /// Most entries.
+        limit: u64,
     },
 }
 
@@ -329,6 +331,7 @@ impl LoopsInputs {
         grid::build(&self.sheet, planted).map_err(|grid::TooManyEntries| {
             CompileError::TooManyEntries {
                 loops: count as u64,
+                limit: grid::MAX_ENTRIES,
             }
         })
     }

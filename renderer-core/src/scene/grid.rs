@@ -33,7 +33,10 @@ pub(super) struct Planted {
     pub(super) counts: LoopCounts,
 }
 
-/// The lists would not fit into 32-bit indices.
+/// Most entries of all lists together: 2 GB, about the largest buffer that a device binds.
+pub(super) const MAX_ENTRIES: u64 = 1 << 29;
+
+/// The lists would be longer than [`MAX_ENTRIES`].
 pub(super) struct TooManyEntries;
 
 /// A loop and where it stands.
@@ -250,9 +253,7 @@ impl Binning<'_> {
             let band = self.band(start..(start + height as i64).min(rows.end));
             let entries = band.entries.len() as u64;
             let sum = total.fetch_add(entries, Ordering::Relaxed) + entries;
-            (sum <= u64::from(u32::MAX))
-                .then_some(band)
-                .ok_or(TooManyEntries)
+            (sum <= MAX_ENTRIES).then_some(band).ok_or(TooManyEntries)
         };
         starts.par_iter().map(band).collect()
     }

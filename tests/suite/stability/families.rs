@@ -25,7 +25,7 @@ const ALONG: f64 = 256.0;
 /// All of them. The shares are what was found, rounded up.
 pub const FAMILIES: [Family; 14] = [
     family("ordinary", ordinary, [0.005, 0.005, 0.45], 1.0),
-    family("grazing", grazing, [0.7, 0.32, 0.75], ALONG),
+    family("grazing", grazing, [0.8, 0.32, 0.85], ALONG),
     family("planar", planar, [0.005, 0.005, 0.4], 1.0),
     family("nearly planar", nearly_planar, [0.005, 0.005, 0.4], 1.0),
     family("twisted up to folding", twisted, [0.005, 0.015, 0.55], 1.0),
@@ -47,7 +47,7 @@ pub const FAMILIES: [Family; 14] = [
         ALONG,
     ),
     family("huge and tiny", scaled, [0.005, 0.01, 0.45], 1.0),
-    family("far cells", far_cells, [0.04, 0.025, 0.4], 1.0),
+    family("far cells", far_cells, [0.065, 0.025, 0.4], 1.0),
 ];
 
 const fn family(

@@ -40,12 +40,7 @@ fn size_of(case: &Case) -> f64 {
         case.axis - across,
         case.axis,
     ];
-    f64::from(
-        sides
-            .map(|side| side.length())
-            .into_iter()
-            .fold(0.0, f32::max),
-    )
+    f64::from(sides.map(Vec3::length).into_iter().fold(0.0, f32::max))
 }
 
 fn distance_of(case: &Case) -> f64 {
@@ -381,9 +376,7 @@ fn compare_with_search(count: usize) {
                     return Some(format!("{off:e} off the ray: {case:?} {root:?}"));
                 }
             }
-            if clear_count(case).is_none() {
-                return None;
-            }
+            clear_count(case)?;
             let found = searched(&patch, &ray, size);
             let same = found.len() == roots.len()
                 && found.iter().all(|[u, v]| {

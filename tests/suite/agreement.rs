@@ -1,0 +1,182 @@
+//! The GPU's `tracked` pictures against the processor's: 256 samples a pixel on each side, as 16 pictures of 16 with seeds of
+//! their own, compared pixel by pixel.
+
+use renderer_core::cpu::CpuBackend;
+use renderer_core::design::{Colour, Design, Method, Pattern, Phase};
+use renderer_core::image::Picture;
+use renderer_core::render::{Backend, RenderRequest};
+
+use crate::support::agreement::same_distribution;
+use crate::support::compare::REPEATS;
+use crate::support::device::{finish, gpu};
+use crate::support::scenes::{preset_paths, request, small_towel};
+
+const SIZE: [u32; 2] = [16, 12];
+/// Samples of one picture: 16 pictures have 256.
+const SAMPLES: u32 = 16;
+
+fn drawn(backend: &mut dyn Backend, request: &RenderRequest, first_seed: u32) -> Vec<Picture> {
+    let mut request = request.clone();
+    (0..REPEATS as u32)
+        .map(|k| {
+            request.settings.seed = first_seed + k;
+            finish(backend, &request)
+        })
+        .collect()
+}
+
+fn on_device(design: &Design, size: [u32; 2]) -> Vec<Picture> {
+    drawn(&mut gpu(), &request(design, size), 31_000)
+}
+
+fn on_processor(design: &Design, size: [u32; 2]) -> Vec<Picture> {
+    drawn(&mut CpuBackend::default(), &request(design, size), 47_000)
+}
+
+fn tracked(mut design: Design, bounces: u32) -> Design {
+    design.quality.method = Method::Tracked;
+    (design.quality.samples, design.quality.bounces) = (SAMPLES, bounces);
+    design
+}
+
+/// Loops so thin that light passes through several, lit from where they are seen: how bright they are follows their density,
+/// and the share of light that the phase sends back.
+fn thin_towel() -> Design {
+    let mut design = small_towel();
+    (design.pile.density, design.skeleton.visible) = (1.0, false);
+    design.pile.phase = Phase::FrameLambert;
+    design.pile.transmission = 0.3;
+    let light = &mut design.light;
+    (light.sun[0].azimuth, light.sun[0].elevation) = (-90.0, 45.0);
+    (light.sun[0].irradiance, light.environment.radiance) = (4.0, 0.05);
+    light.background = Colour([0; 3]);
+    design.view.cameras[0].distance = 18.0;
+    design
+}
+
+/// The same before a bright wall: what is seen is what passes through.
+fn backlit_towel() -> Design {
+    let mut design = thin_towel();
+    design.light.sun.clear();
+    design.light.environment.radiance = 0.0;
+    design.light.background = Colour::WHITE;
+    design
+}
+
+/// A slightly wrong design, and what is wrong with it.
+type Wrong = (&'static str, fn(&mut Design));
+
+fn assert_agree_and_tell(design: &Design, size: [u32; 2], wrongs: &[Wrong], bias: f64) {
+    let cpu = on_processor(design, size);
+    let power = same_distribution(&cpu, &on_device(design, size)).unwrap();
+    // In one pixel of 256 samples much less can be told.
+    assert!(power.whole < bias && power.pixel < 50.0 * bias, "{power:?}");
+    for (what, wrong) in wrongs {
+        let mut design = design.clone();
+        wrong(&mut design);
+        let other = on_device(&design, size);
+        assert!(
+            same_distribution(&cpu, &other).is_err(),
+            "{what}: {power:?}"
+        );
+    }
+}
+
+/// Once through thin loops, and once scattered by them, with what each tells best.
+fn one_scattering(size: [u32; 2], through: &[Wrong], scattered: &[Wrong], biases: [f64; 2]) {
+    assert_agree_and_tell(&tracked(backlit_towel(), 1), size, through, biases[0]);
+    assert_agree_and_tell(&tracked(thin_towel(), 1), size, scattered, biases[1]);
+}
+
+#[test]
+fn one_scattering_agrees_at_256_samples() {
+    one_scattering(
+        SIZE,
+        &[("density", |d| d.pile.density *= 1.15)],
+        &[("phase", |d| d.pile.transmission = 0.45)],
+        [0.05, 0.1],
+    );
+}
+
+#[test]
+#[ignore = "long: about 30 s"]
+fn one_scattering_agrees_at_256_samples_to_a_few_percent() {
+    one_scattering(
+        [64, 48],
+        &[
+            ("density + 3 %", |d| d.pile.density *= 1.03),
+            ("a missing loop", |d| {
+                d.weave.pattern = without_a_loop(&d.weave.pattern);
+            }),
+        ],
+        &[("phase", |d| d.pile.transmission = 0.33)],
+        [0.01, 0.025],
+    );
+}
+
+#[test]
+fn several_scatterings_agree_at_256_samples() {
+    assert_agree_and_tell(
+        &tracked(small_towel(), 5),
+        SIZE,
+        &[("one bounce less", |d| d.quality.bounces = 4)],
+        0.03,
+    );
+}
+
+/// The pattern over the whole of a small towel, less one loop in its middle.
+fn without_a_loop(pattern: &Pattern) -> Pattern {
+    let mut whole = Pattern::filled(12, 10, 0);
+    for row in 0..10 {
+        for column in 0..12 {
+            whole.set(column, row, pattern.at(column as i64, row as i64));
+        }
+    }
+    let (column, row) = (4..8)
+        .flat_map(|column| (3..7).map(move |row| (column, row)))
+        .find(|&(column, row)| whole.at(column as i64, row as i64) == 7)
+        .unwrap();
+    // The warp stays over.
+    whole.set(column, row, 1);
+    whole
+}
+
+#[test]
+fn wrong_noise_and_wrong_pixels_are_refused() {
+    let design = tracked(thin_towel(), 1);
+    let cpu = on_processor(&design, SIZE);
+    let same = drawn(&mut CpuBackend::default(), &request(&design, SIZE), 90_000);
+    same_distribution(&cpu, &same).unwrap();
+
+    // The same mean from half as many samples: twice the variance.
+    let mut noisier = design.clone();
+    noisier.quality.samples = SAMPLES / 2;
+    let told = same_distribution(&cpu, &on_processor(&noisier, SIZE)).unwrap_err();
+    assert!(told.starts_with("noise"), "{told}");
+
+    // One pixel of all is twice as bright; pictures are upside down; not a number.
+    let changed = |change: fn(&mut Picture)| {
+        let mut pictures = same.clone();
+        pictures.iter_mut().for_each(change);
+        same_distribution(&cpu, &pictures)
+    };
+    assert!(changed(|picture| picture.pixels[100] = picture.pixels[100].map(|x| x * 2.0)).is_err());
+    assert!(changed(|picture| picture.pixels.reverse()).is_err());
+    assert!(changed(|picture| picture.pixels[7][1] = f32::NAN).is_err());
+}
+
+#[test]
+#[ignore = "long: about 120 s"]
+fn every_preset_agrees_at_256_samples() {
+    for path in preset_paths() {
+        let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+        for bounces in [1, 4] {
+            let design = towel_designer::files::load_design(&path).unwrap();
+            let design = tracked(design, bounces);
+            let power = same_distribution(&on_processor(&design, SIZE), &on_device(&design, SIZE))
+                .unwrap_or_else(|error| panic!("{name}, {bounces} bounces: {error}"));
+            // What a picture of so few pixels can tell.
+            assert!(power.whole < 0.04, "{name}, {bounces} bounces: {power:?}");
+        }
+    }
+}

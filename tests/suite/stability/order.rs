@@ -1,0 +1,89 @@
+//! The picture does not depend on how the work is cut up: bit for bit.
+
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+use renderer_core::cpu::CpuBackend;
+use renderer_core::design::Method;
+use renderer_core::image::Picture;
+use renderer_core::reference::ReferenceBackend;
+use renderer_core::render::{Backend, RenderRequest};
+
+use crate::support::device::{finish, finish_in_slices, gpu};
+use crate::support::scenes::{request, small_towel};
+
+const SLICES: [Duration; 3] = [
+    Duration::ZERO,
+    Duration::from_micros(300),
+    Duration::from_millis(7),
+];
+
+fn bits(picture: &Picture) -> Vec<[u32; 4]> {
+    let pixels = picture.pixels.iter();
+    pixels.map(|pixel| pixel.map(f32::to_bits)).collect()
+}
+
+/// Paths of several bounces, whose lengths differ most.
+fn long_paths(samples: u32, method: Method) -> RenderRequest {
+    let mut design = small_towel();
+    design.quality.method = method;
+    (design.quality.samples, design.quality.bounces) = (samples, 4);
+    request(&design, [52, 37])
+}
+
+/// Whole, in slices, and cancelled again and again.
+fn assert_order_is_free(make: &dyn Fn() -> Box<dyn Backend>, request: &RenderRequest) -> Picture {
+    let whole = finish(make().as_mut(), request);
+    for slice in SLICES {
+        let sliced = finish_in_slices(make().as_mut(), request, slice);
+        assert_eq!(bits(&whole), bits(&sliced), "{slice:?}");
+    }
+    // A backend that has drawn something else is as good as a new one; targets may grow on the way.
+    let mut used = make();
+    let mut other = request.clone();
+    other.settings.seed += 1;
+    finish(used.as_mut(), &other);
+    let mut first = request.clone();
+    first.settings.samples = 1;
+    finish(used.as_mut(), &first);
+    used.begin(request).unwrap();
+    let cancelled = AtomicBool::new(true);
+    used.advance(Duration::ZERO, &cancelled).unwrap();
+    assert_eq!(bits(&whole), bits(&finish(used.as_mut(), request)));
+    whole
+}
+
+#[test]
+fn the_device_draws_the_same_in_any_slices() {
+    let make = || -> Box<dyn Backend> { Box::new(gpu()) };
+    for method in [Method::Tracked, Method::Single] {
+        assert_order_is_free(&make, &long_paths(3, method));
+    }
+}
+
+#[test]
+fn the_processor_draws_the_same_in_any_slices_on_any_cores() {
+    for method in [Method::Tracked, Method::Single] {
+        let request = long_paths(3, method);
+        let all = assert_order_is_free(&|| Box::new(CpuBackend::default()), &request);
+        let one = assert_order_is_free(&|| Box::new(ReferenceBackend::default()), &request);
+        assert_eq!(bits(&all), bits(&one));
+        // Other tiles: a crop's begin elsewhere, and are smaller at its edges.
+        let mut part = request.clone();
+        part.crop = [5, 3, 30, 21];
+        let part = finish(&mut CpuBackend::default(), &part);
+        for (index, pixel) in part.pixels.iter().enumerate() {
+            let (x, y) = (index % 30 + 5, index / 30 + 3);
+            assert_eq!(*pixel, all.pixels[y * 52 + x], "{x},{y}");
+        }
+    }
+}
+
+#[test]
+fn another_order_of_samples_would_be_noticed() {
+    let mut request = long_paths(2, Method::Tracked);
+    let picture = finish(&mut CpuBackend::default(), &request);
+    request.settings.seed += 1;
+    let other = finish(&mut CpuBackend::default(), &request);
+    assert_ne!(bits(&picture), bits(&other));
+}

@@ -202,8 +202,11 @@ pub fn measure(
     for (round, round_deadline) in [first_deadline, deadline].into_iter().enumerate() {
         let mut order: Vec<usize> = (0..target.settings.len()).collect();
         if round == 1 {
-            // The most important last: what the others leave over is theirs.
-            order.reverse();
+            // First what there was no time for. Then the most important last: what the others leave over is theirs.
+            order.sort_by_key(|&index| match turns[index][0] {
+                None => (0, index),
+                Some(_) => (1, target.settings.len() - index),
+            });
         }
         for (turn, &index) in order.iter().enumerate() {
             let now = Instant::now();

@@ -347,10 +347,12 @@ impl<'a> Plot<'a> {
         let settings = &target.settings;
         let shown =
             |wanted: &dyn Fn(&Setting) -> bool| settings.iter().copied().find(|s| wanted(s));
-        for setting in settings
-            .iter()
-            .filter(|s| s.sampler == Sampler::Owen && s.shadows)
-        {
+        let is_drawn = |index: usize| self.findings.rows.iter().any(|row| row.setting == index);
+        let whole = |s: &Setting| s.sampler == Sampler::Owen && s.shadows;
+        for (index, setting) in settings.iter().enumerate() {
+            if !(whole(setting) && is_drawn(index)) {
+                continue;
+            }
             entry(&title_of(setting, target), &|y| sample(setting, y))?;
         }
         entry("", &|_| Ok(()))?;

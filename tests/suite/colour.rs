@@ -225,11 +225,11 @@ fn column_is_as_measured(name: &str, phase: Phase, transmission: f64, walks: u32
 
 #[test]
 fn the_albedo_table_is_what_walks_measure() {
-    column_is_as_measured("ISOTROPIC", Phase::Isotropic, 0.0, 12_800);
+    column_is_as_measured("ISOTROPIC", Phase::Isotropic, 0.0, 25_600);
 }
 
 #[test]
-#[ignore = "long: about 60 s"]
+#[ignore = "long: about 30 s"]
 fn every_column_of_the_albedo_table_is_what_walks_measure() {
     for (name, phase, transmission) in COLUMNS {
         column_is_as_measured(name, phase, transmission, 32_000);
@@ -322,7 +322,7 @@ fn charts_render_in_their_colours() {
 }
 
 #[test]
-#[ignore = "long: about 40 s"]
+#[ignore = "long: about 60 s"]
 fn charts_render_in_their_colours_with_every_phase() {
     for (_, phase, transmission) in COLUMNS {
         for bounces in [16, 64] {

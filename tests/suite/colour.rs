@@ -293,9 +293,8 @@ fn renders_as_itself(phase: Phase, transmission: f64, bounces: u32, colours: &[[
     });
     for &colour in colours {
         let texel = Colour(colour).linear();
-        // Only white is beyond cotton, and a light colour beyond few bounces where light goes deep before it comes back.
+        // Only white is beyond cotton; where light goes deep before it comes back, 16 bounces show less of every colour.
         let expected = table.reached(texel);
-        assert!(colour[0] >= 180 || expected == texel, "{expected:?}");
         assert!(phase != Phase::Isotropic || colour == [255; 3] || expected == texel);
         let found = mean_of_chart(phase, transmission, Colour(colour), bounces);
         let far = difference(found, expected);

@@ -13,7 +13,7 @@ fn gathered(event: Event, shape: Patch, normal: vec3<f32>, yarn: Yarn, ray: Ray)
     } else {
         result = single_gathered(event, shape, normal, yarn, ray);
     }
-    if COUNTERS && result.alpha > 0.0 {
+    if COUNTERS && result.depth > 0.0 {
         count_contributing_hits += 1u;
     }
     return result;
@@ -93,7 +93,8 @@ fn composite_first(ray: Ray, threshold: f32) -> Scatter {
     // Step 5: the skeleton is opaque; loops of the far side are met in cells behind its gaps.
     let ground = ground_along(ray, FAR);
     var walk = walk_begin(ray, scene.z_range, ground.t);
-    var transmittance = 1.0;
+    let depth_to = depth_of(threshold);
+    var depth = 0.0;
     var chosen: Gathered;
     var chosen_index = 0u;
     let limit = walk_limit();
@@ -106,24 +107,24 @@ fn composite_first(ray: Ray, threshold: f32) -> Scatter {
         var scans = select(0u, MAX_SCANS, cell.entries_start < cell.entries_end);
         for (; scans > 0u; scans--) {
             var nearest = nearest_events(ray, cell, walk.t_enter, walk.t_exit, after);
-            for (var i = 0u; i < NEAREST && nearest.a.t < FAR && transmittance >= threshold; i++) {
+            for (var i = 0u; i < NEAREST && nearest.a.t < FAR && depth <= depth_to; i++) {
                 let shape = load_patch(nearest.a.index);
                 chosen = gathered(nearest.a, shape, patch_normal(shape), load_yarn(nearest.a.index), ray);
                 chosen_index = nearest.a.index;
-                transmittance *= 1.0 - chosen.alpha;
+                depth += chosen.depth;
                 after = nearest.a.t;
                 drop_first(&nearest);
             }
-            if nearest.offered <= NEAREST || transmittance < threshold {
+            if nearest.offered <= NEAREST || depth > depth_to {
                 break;
             }
         }
-        if transmittance < threshold {
+        if depth > depth_to {
             break;
         }
         walk_step(ray, &walk);
     }
-    if transmittance < threshold {
+    if depth > depth_to {
         return pile_scatter(ray, chosen, chosen_index);
     }
     if ground.t < FAR {
@@ -202,7 +203,8 @@ fn composite_visibility(ray: Ray) -> f32 {
     if ground_along(ray, FAR).t < FAR {
         return 0.0;
     }
-    var visible = 1.0;
+    let blocked = -log(BLOCKED);
+    var depth = 0.0;
     var search: Search;
     search.walk = walk_begin(ray, scene.z_range, FAR);
     if walk_goes_on(search.walk) {
@@ -222,12 +224,12 @@ fn composite_visibility(ray: Ray) -> f32 {
             }
             if event_is_in(ray, event.t, walk.t_enter, walk.t_exit) {
                 let normal = patch_normal(crossing.shape);
-                visible *= 1.0 - gathered(event, crossing.shape, normal, load_yarn(crossing.index), ray).alpha;
+                depth += gathered(event, crossing.shape, normal, load_yarn(crossing.index), ray).depth;
             }
         }
-        if visible < BLOCKED {
+        if depth > blocked {
             return 0.0;
         }
     }
-    return visible;
+    return exp(-depth);
 }

@@ -65,12 +65,34 @@ fn drop_first(nearest: ptr<function, Nearest>) {
 
 // What an event takes away and where.
 struct Gathered {
-    // Share of the light that does not pass.
-    alpha: f32,
+    // Optical depth; e^−depth of the light passes. Depths are summed, and no transmittance is made of opacities before the
+    // end: 1 − opacity has few digits left where little light passes.
+    depth: f32,
     // Opacity-weighted mean distance.
     t: f32,
     // Opacity-weighted mean shade.
     shade: f32,
     // (u, v, w) at `t`.
     at: vec3<f32>,
+}
+
+// 1 − e^−depth.
+fn opacity_of(depth: f32) -> f32 {
+    if depth < 0.1 {
+        return depth * (1.0 - depth * (0.5 - depth * (1.0 / 6.0 - depth / 24.0)));
+    }
+    return 1.0 - exp(-depth);
+}
+
+// −ln x for x in (0, 1], to f32's last digits also next to 1, where log() may keep only absolute precision: with
+// x = 2^e·m, m about 1, and s = (m − 1)/(m + 1), ln m = 2(s + s³/3 + s⁵/5 + …).
+fn depth_of(x: f32) -> f32 {
+    let parts = frexp(x);
+    let low = parts.fract < 0.70710678;
+    let m = select(parts.fract, 2.0 * parts.fract, low);
+    let e = f32(parts.exp) - select(0.0, 1.0, low);
+    let s = (m - 1.0) / (m + 1.0);
+    let s2 = s * s;
+    let series = 2.0 * s * (1.0 + s2 * (1.0 / 3.0 + s2 * (1.0 / 5.0 + s2 * (1.0 / 7.0 + s2 / 9.0))));
+    return -(series + e * 0.69314718);
 }

@@ -20,7 +20,7 @@ fn layered_gathered(event: Event, shape: Patch, normal: vec3<f32>, yarn: Yarn, r
     let u = event.u + slopes.u * middle;
     let v = event.v + slopes.v * middle;
     let rho = sample_density(yarn, u, v, f32(event.layer));
-    gathered.alpha = 1.0 - exp(-yarn.density * rho.x * (range.y - range.x));
+    gathered.depth = yarn.density * rho.x * (range.y - range.x);
     gathered.t = event.t + middle;
     gathered.shade = rho.y / max(rho.x, 1.0e-6);
     gathered.at = vec3<f32>(u, v, w);

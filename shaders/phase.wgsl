@@ -15,14 +15,23 @@ fn basis_y(n: vec3<f32>) -> vec3<f32> {
     return vec3<f32>(n.x * n.y * a, sign + n.y * n.y * a, -n.y);
 }
 
+// (cos 2πv, sin 2πv) to f32's last digits, v in [0, 1]: of sin() and cos() 2⁻¹¹ is all that a device owes. After the
+// nearest quarter turn, which is taken away without rounding, their series are short.
 fn on_circle(v: f32) -> vec2<f32> {
-    let angle = 2.0 * PI * v;
-    return vec2<f32>(cos(angle), sin(angle));
+    let quarters = round(4.0 * v);
+    let angle = 2.0 * PI * (v - 0.25 * quarters);
+    let x = angle * angle;
+    let sine = angle * (1.0 + x * (-1.0 / 6.0 + x * (1.0 / 120.0 + x * (-1.0 / 5040.0 + x / 362880.0))));
+    let cosine = 1.0 + x * (-0.5 + x * (1.0 / 24.0 + x * (-1.0 / 720.0 + x / 40320.0)));
+    let odd = u32(quarters) % 2u == 1u;
+    let turned = select(vec2<f32>(cosine, sine), vec2<f32>(-sine, cosine), odd);
+    return select(turned, -turned, u32(quarters) % 4u >= 2u);
 }
 
 fn uniform_on_sphere(u: vec2<f32>) -> vec3<f32> {
     let z = 1.0 - 2.0 * u.x;
-    return vec3<f32>(sqrt(max(1.0 - z * z, 0.0)) * on_circle(u.y), z);
+    // √(1 − z²), without the difference.
+    return vec3<f32>(2.0 * sqrt(max(u.x * (1.0 - u.x), 0.0)) * on_circle(u.y), z);
 }
 
 // Density cos θ/π about `normal`.

@@ -34,6 +34,9 @@ struct Slice {
     exposure_scale: f32,
     // The scattering at which the light of further ones is estimated, with CLOSING.
     closing_bounce: u32,
+    // Longest piece of a ray that METHOD_EXACT takes as uniform, mm.
+    step: f32,
+    unused: f32,
 }
 
 const TONE_NONE: u32 = 0u;

@@ -4,6 +4,7 @@
 const METHOD_SINGLE: u32 = 0u;
 const METHOD_LAYERED: u32 = 1u;
 const METHOD_TRACKED: u32 = 2u;
+const METHOD_EXACT: u32 = 3u;
 
 const PHASE_ISOTROPIC: u32 = 0u;
 const PHASE_FRAME_LAMBERT: u32 = 1u;

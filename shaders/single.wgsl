@@ -20,7 +20,7 @@ fn single_gathered(event: Event, shape: Patch, normal: vec3<f32>, yarn: Yarn, ra
     let way = select(-1.0, 1.0, forward);
     let count = min(u32(abs(last - first)) + 1u, LAYERS);
     let per_w = 1.0 / slopes.w;
-    var transmittance = 1.0;
+    var weight_sum = 0.0;
     var t_sum = 0.0;
     var shade_sum = 0.0;
     for (var i = 0u; i < count; i++) {
@@ -35,15 +35,15 @@ fn single_gathered(event: Event, shape: Patch, normal: vec3<f32>, yarn: Yarn, ra
         let middle = 0.5 * (enter + leave);
         let layer_place = select(layer, layer_at(slopes.w * middle), LINEAR_LAYERS);
         let rho = sample_density(yarn, event.u + slopes.u * middle, event.v + slopes.v * middle, layer_place);
-        let alpha = 1.0 - exp(-yarn.density * rho.x * (leave - enter));
-        let weight = transmittance * alpha;
+        let depth = yarn.density * rho.x * (leave - enter);
+        let weight = exp(-gathered.depth) * opacity_of(depth);
+        weight_sum += weight;
         t_sum += weight * middle;
         shade_sum += weight * rho.y / max(rho.x, 1.0e-6);
-        transmittance *= 1.0 - alpha;
+        gathered.depth += depth;
     }
-    gathered.alpha = 1.0 - transmittance;
-    if gathered.alpha > 0.0 {
-        let inverse = 1.0 / gathered.alpha;
+    if weight_sum > 0.0 {
+        let inverse = 1.0 / weight_sum;
         let tau = t_sum * inverse;
         gathered.t = event.t + tau;
         gathered.shade = shade_sum * inverse;

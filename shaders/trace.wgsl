@@ -31,6 +31,9 @@ fn visibility(at: Scatter, towards_light: vec3<f32>, bounce: u32, random: ptr<fu
             return track_visibility(ray, random);
         }
     }
+    if METHOD == METHOD_EXACT {
+        return exact_visibility(ray);
+    }
     return composite_visibility(ray);
 }
 
@@ -42,13 +45,16 @@ struct Path {
 
 // Steps 3, 4 and 5: a ray through loops (3: where they reflect, 4: what they let through), skeleton and the loops of
 // the other side (5). The ray picks one event of all that it meets, with its share of the light.
-fn scatter_along(ray: Ray, bounce: u32, threshold: f32, random: ptr<function, Pcg>) -> Scatter {
+fn scatter_along(ray: Ray, bounce: u32, film: vec4<f32>, random: ptr<function, Pcg>) -> Scatter {
     if COUNTERS {
         count_rays += 1u;
     }
     if METHOD != METHOD_TRACKED {
         if !LONG_PATHS || bounce == 1u {
-            return composite_first(ray, threshold);
+            if METHOD == METHOD_EXACT {
+                return exact_first(ray, 1.0 - film.z, film.w);
+            }
+            return composite_first(ray, 1.0 - film.z);
         }
     }
     return track(ray, random);
@@ -96,7 +102,7 @@ fn trace_path(camera_ray: Ray, film: vec4<f32>, seed: u32, sample: u32) -> Path 
     var throughput = vec3<f32>(1.0);
     var ray = camera_ray;
     for (var bounce = 1u; bounce <= slice.bounces + 1u; bounce++) {
-        let at = scatter_along(ray, bounce, 1.0 - film.z, &random);
+        let at = scatter_along(ray, bounce, film, &random);
         if bounce == 1u {
             if at.what == NOTHING {
                 break;
@@ -160,8 +166,7 @@ fn trace_main(@builtin(global_invocation_id) id: vec3<u32>) {
     for (var sample = slice.first_sample; sample < slice.end_sample; sample++) {
         let film = sample_set(seed, sample, SET_FILM);
         // Tiles' reference points are their centres.
-        let offset = vec2<f32>(in_tile) - 0.5 * f32(TILE) + film.xy;
-        let camera = camera_ray(tile, offset);
+        let camera = camera_ray(tile, vec2<f32>(in_tile) - 0.5 * f32(TILE), film.xy);
         let path = trace_path(camera.ray, film, seed, sample);
         let met = path.first.what != NOTHING;
         sums[first_sum + SUM_COLOUR] += vec4<f32>(path.radiance, f32(met));

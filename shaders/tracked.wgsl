@@ -165,7 +165,7 @@ fn track(ray: Ray, random: ptr<function, Pcg>) -> Scatter {
     var flight = take_off(ray);
     var hit = Gathered(0.0, 0.0, 0.0, vec3<f32>());
     var hit_index = 0u;
-    for (var k = 0u; k < MAX_COLLISIONS && hit.alpha <= 0.0; k++) {
+    for (var k = 0u; k < MAX_COLLISIONS && hit.depth <= 0.0; k++) {
         if !fly(ray, &flight, random) {
             break;
         }
@@ -176,11 +176,11 @@ fn track(ray: Ray, random: ptr<function, Pcg>) -> Scatter {
         }
     }
     // Free paths in pile are short, so that seldom much of the skeleton lies before the collision.
-    let ground = ground_along(ray, select(FAR, hit.t, hit.alpha > 0.0));
+    let ground = ground_along(ray, select(FAR, hit.t, hit.depth > 0.0));
     if ground.t < FAR {
         return ground_scatter(ray, ground);
     }
-    if hit.alpha > 0.0 {
+    if hit.depth > 0.0 {
         if COUNTERS {
             count_contributing_hits += 1u;
         }

@@ -24,10 +24,10 @@ pub enum BackendChoice {
 }
 
 impl BackendChoice {
-    /// What a choice comes to for a method: the GPU does not draw all, so where it is not asked for by name it is not taken.
+    /// What a choice comes to for a method: the GPU does not draw `six-face`, so `auto` does not take it for that.
     pub fn for_method(self, method: Method) -> Self {
         match (self, method) {
-            (Self::Auto, Method::SixFace | Method::Exact) => Self::Cpu,
+            (Self::Auto, Method::SixFace) => Self::Cpu,
             _ => self,
         }
     }

@@ -27,6 +27,7 @@ mod metrics;
 mod presets;
 mod probes;
 mod reference;
+mod same_sample;
 mod sampling;
 mod sections;
 mod shaders;

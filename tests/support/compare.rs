@@ -60,16 +60,23 @@ fn is_near(a: [f32; 4], b: [f32; 4]) -> bool {
     (0..4).all(|c| (a[c] - b[c]).abs() <= ROUNDING * a[c].abs().max(1.0))
 }
 
-/// What the reference draws for rays nudged in eight directions.
+/// What the reference draws for nudged rays.
 fn nudged(request: &RenderRequest, pixel: [u32; 2]) -> impl Iterator<Item = [f32; 4]> {
+    nudges(request).map(move |moved| {
+        let sample = Tracer::new(&moved).sample(pixel, 0, &mut Scratch::default());
+        let [r, g, b] = sample.radiance.as_vec3().to_array();
+        [r, g, b, f32::from(u8::from(sample.first.is_some()))]
+    })
+}
+
+/// The request with its rays nudged in eight directions, by little and by more.
+pub fn nudges(request: &RenderRequest) -> impl Iterator<Item = RenderRequest> {
     NUDGES_PX.into_iter().flat_map(move |by| {
         (0..8).map(move |k| {
             let angle = f64::from(k) * std::f64::consts::FRAC_PI_4;
             let mut moved = request.clone();
             moved.camera = nudge(request, DVec2::from_angle(angle) * by);
-            let sample = Tracer::new(&moved).sample(pixel, 0, &mut Scratch::default());
-            let [r, g, b] = sample.radiance.as_vec3().to_array();
-            [r, g, b, f32::from(u8::from(sample.first.is_some()))]
+            moved
         })
     })
 }

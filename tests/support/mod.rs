@@ -5,4 +5,5 @@ pub mod compare;
 pub mod device;
 pub mod patches;
 pub mod probe;
+pub mod same_sample;
 pub mod scenes;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use crate::render::{RenderError, RenderRequest};
 
@@ -158,6 +158,8 @@ impl Accumulation {
             tone_map: 0,
             exposure_scale: 1.0,
             closing_bounce: request.settings.closing_bounce().unwrap_or(0),
+            step: request.settings.step_mm as f32,
+            unused: 0.0,
         }
     }
 }
@@ -179,16 +181,38 @@ fn ray_tiles(request: &RenderRequest, [across, down]: [u32; 2]) -> Vec<RayTile> 
                 request
                     .camera
                     .ray_tile(centre, request.size, &scene.sheet, z_range, margin_mm);
-            let vector = |v: glam::DVec3, w: f64| [v.x as f32, v.y as f32, v.z as f32, w as f32];
+            let pitch = DVec2::new(scene.sheet.pitch_x_mm, scene.sheet.pitch_y_mm);
+            let quantum = quantum(rays.origin_dx, rays.origin_dy, pitch);
+            let [dx, dx_rest] = in_quanta(rays.origin_dx, quantum);
+            let [dy, dy_rest] = in_quanta(rays.origin_dy, quantum);
+            let [pitch, pitch_rest] = in_quanta(pitch.extend(0.0), quantum);
+            let vector = |v: DVec3, w: f64| [v.x as f32, v.y as f32, v.z as f32, w as f32];
             RayTile {
                 cell: [rays.cell[0], rays.cell[1], 0, 0],
                 origin: vector(rays.origin, rays.depth_offset),
-                origin_dx: vector(rays.origin_dx, 0.0),
-                origin_dy: vector(rays.origin_dy, 0.0),
+                origin_dx: vector(dx, rays.shrink[0]),
+                origin_dy: vector(dy, rays.shrink[1]),
+                origin_dx_rest: vector(dx_rest, 0.0),
+                origin_dy_rest: vector(dy_rest, 0.0),
+                pitch: [pitch.x, pitch.y, pitch_rest.x, pitch_rest.y].map(|mm| mm as f32),
                 direction: vector(rays.direction, 0.0),
-                direction_dx: vector(rays.direction_dx, 0.0),
-                direction_dy: vector(rays.direction_dy, 0.0),
+                direction_dx: vector(rays.direction_dx, rays.depth_slope[0]),
+                direction_dy: vector(rays.direction_dy, rays.depth_slope[1]),
             }
         })
         .collect()
+}
+
+/// A power of two, mm, of which f32 holds all whole multiples up to what a tile's pixels, and as many cells, lie apart: sums
+/// of multiples are exact.
+fn quantum(dx: DVec3, dy: DVec3, pitch: DVec2) -> f64 {
+    let far = f64::from(TILE) * (dx.abs().max_element() + dy.abs().max_element());
+    let far = far.max(2.0 * pitch.max_element());
+    (far.log2().ceil() - f64::from(f32::MANTISSA_DIGITS) + 1.0).exp2()
+}
+
+/// The nearest whole multiple of `quantum`, and the rest.
+fn in_quanta(vector: DVec3, quantum: f64) -> [DVec3; 2] {
+    let whole = (vector / quantum).round() * quantum;
+    [whole, vector - whole]
 }

@@ -240,10 +240,8 @@ impl Backend for GpuBackend {
             return Ok(());
         }
         check_size(request.size, request.crop)?;
-        match request.settings.method {
-            Method::SixFace => return Err(RenderError::Method("six-face")),
-            Method::Exact => return Err(RenderError::Method("exact")),
-            _ => {}
+        if request.settings.method == Method::SixFace {
+            return Err(RenderError::Method(Method::SixFace.name()));
         }
         let before = self.work.take().map(|work| work.accumulation);
         let old = self.scene.as_ref();

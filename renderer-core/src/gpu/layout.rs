@@ -52,6 +52,8 @@ constants! {
     METHOD_LAYERED = 1;
     /// METHOD for `tracked`.
     METHOD_TRACKED = 2;
+    /// METHOD for `exact`.
+    METHOD_EXACT = 3;
     /// PHASE for `isotropic`.
     PHASE_ISOTROPIC = 0;
     /// PHASE for `frame_lambert`.
@@ -225,15 +227,21 @@ mirrors! {
         cell: [i32; 4],
         /// Origin, mm; how many directions lie before it.
         origin: [f32; 4],
-        /// Change for a pixel right.
+        /// Change for a pixel right, the part in whole quanta; shrinking.
         origin_dx: [f32; 4],
-        /// Change for a pixel down.
+        /// Change for a pixel down, the part in whole quanta; shrinking.
         origin_dy: [f32; 4],
+        /// The rest of the change for a pixel right.
+        origin_dx_rest: [f32; 4],
+        /// The rest of the change for a pixel down.
+        origin_dy_rest: [f32; 4],
+        /// Size of a cell along x and y: the part in whole quanta, then the rest, mm.
+        pitch: [f32; 4],
         /// Direction, not normalised.
         direction: [f32; 4],
-        /// Change for a pixel right.
+        /// Change for a pixel right; of how many directions lie before the origin.
         direction_dx: [f32; 4],
-        /// Change for a pixel down.
+        /// Change for a pixel down; of how many directions lie before the origin.
         direction_dy: [f32; 4],
     }
 
@@ -279,5 +287,9 @@ mirrors! {
         exposure_scale: f32,
         /// Scattering at which further ones are estimated.
         closing_bounce: u32,
+        /// Longest uniform piece of `exact`, mm.
+        step: f32,
+        /// Padding.
+        unused: f32,
     }
 }

@@ -80,8 +80,8 @@ impl SceneNeeds {
             Method::Single => layout::METHOD_SINGLE,
             Method::Layered => layout::METHOD_LAYERED,
             Method::Tracked => layout::METHOD_TRACKED,
-            // Refused before they get here.
-            Method::Exact | Method::SixFace => layout::METHOD_SINGLE,
+            // Of these two the backend refuses `six-face`.
+            Method::Exact | Method::SixFace => layout::METHOD_EXACT,
         };
         let phase = match self.phase {
             Phase::Isotropic => layout::PHASE_ISOTROPIC,

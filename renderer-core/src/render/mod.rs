@@ -179,7 +179,7 @@ pub enum RenderError {
     Size(String),
     /// The method is not drawn by the GPU.
     #[error("the gpu backend does not draw by method {0}; use --backend cpu or another method")]
-    Method(&'static str),
+    Method(String),
     /// The device was lost or ran out of memory.
     #[error("the GPU stopped: {0}")]
     Device(String),

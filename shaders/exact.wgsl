@@ -1,0 +1,379 @@
+// Method `exact` (MODEL.md §4, §8, §9): a ray's whole way through all loops, their densities summed where they overlap.
+//
+// A ray's part in a cell is cut where it enters or leaves a loop, at each of its texels' centre lines and layer lines, and
+// into pieces of at most `slice.step`; a piece is uniform, as it is in its middle. Nothing is kept in arrays: the next cut
+// is searched among the loops that the ray meets in the cell, and the ones that it is inside of are bits of a mask.
+
+// A loop as a line sees it. Projected along n̂ a point has coordinates p = u′(1 + αv′), q = v′(1 + βu′) in the basis
+// (b, c), u′ = u − ½, v′ = v − ½; p, q and the height z over their plane are linear along the line, and
+// w·h = z − (A·n̂)u′v′.
+struct LoopLine {
+    // Where the line is nearest to the patch's middle: far from the ray's origin products would lose their digits.
+    t_near: f32,
+    // (p, q, z) there, and their changes in a millimetre.
+    value: vec3<f32>,
+    slope: vec3<f32>,
+    alpha: f32,
+    beta: f32,
+    // A·n̂.
+    lift: f32,
+}
+
+fn loop_line(ray: Ray, listed: Listed) -> LoopLine {
+    let shape = load_patch(listed.index);
+    let b = shape.half_base + shape.half_top;
+    let c = shape.axis;
+    let twist = 2.0 * (shape.half_top - shape.half_base);
+    let product = cross(b, c);
+    let normal = product * inverseSqrt(max(dot(product, product), 1.0e-30));
+    let per_area = 1.0 / max(dot(product, normal), SMALLEST_AREA);
+    let b_dual = cross(c, normal) * per_area;
+    let c_dual = cross(normal, b) * per_area;
+    let to_middle = shape.middle + 0.5 * c - origin_in_cell(ray, listed.cell);
+    let t_near = dot(to_middle, ray.direction);
+    let nearest = t_near * ray.direction - to_middle;
+    return LoopLine(
+        t_near,
+        vec3<f32>(dot(nearest, b_dual), dot(nearest, c_dual), dot(nearest, normal)),
+        vec3<f32>(dot(ray.direction, b_dual), dot(ray.direction, c_dual), dot(ray.direction, normal)),
+        dot(twist, b_dual),
+        dot(twist, c_dual),
+        dot(twist, normal),
+    );
+}
+
+// (u, v, w) at a distance at which the line is inside the loop or next to it.
+fn place_on(line: LoopLine, t: f32) -> vec3<f32> {
+    let x = line.value + (t - line.t_near) * line.slope;
+    let linear = 1.0 + line.alpha * x.y - line.beta * x.x;
+    let u = 2.0 * x.x / max(linear + sqrt(max(linear * linear + 4.0 * line.beta * x.x, 0.0)), 1.0e-6);
+    let v = x.y / max(1.0 + line.beta * u, 1.0e-6);
+    return vec3<f32>(u + 0.5, v + 0.5, (x.z - u * v * line.lift) / scene.thickness);
+}
+
+// (value, slope) of a linear function that is 0 on the plane of constant u, and positive on the side of larger u.
+fn over_u(line: LoopLine, u: f32) -> vec2<f32> {
+    let s = u - 0.5;
+    let stretch = 1.0 + line.beta * s;
+    return vec2<f32>(
+        line.value.x * stretch - s * (stretch + line.alpha * line.value.y),
+        line.slope.x * stretch - s * line.alpha * line.slope.y,
+    );
+}
+
+fn over_v(line: LoopLine, v: f32) -> vec2<f32> {
+    let s = v - 0.5;
+    let stretch = 1.0 + line.alpha * s;
+    return vec2<f32>(
+        line.value.y * stretch - s * (stretch + line.beta * line.value.x),
+        line.slope.y * stretch - s * line.beta * line.slope.x,
+    );
+}
+
+// A slope below this, 1/mm, moves less than f32 resolves over any way through a loop.
+const LEVEL: f32 = 1.0e-9;
+// Crossings farther from a loop's middle than this, mm, are no crossings of the loop.
+const BEYOND: f32 = 1.0e6;
+
+// Where `over` is 0.
+fn zero_of(line: LoopLine, over: vec2<f32>) -> f32 {
+    return select(FAR, line.t_near - over.x / over.y, abs(over.y) > LEVEL);
+}
+
+// The part of a range of distances in which `over` is positive.
+fn clip_positive(line: LoopLine, range: vec2<f32>, over: vec2<f32>) -> vec2<f32> {
+    if abs(over.y) <= LEVEL {
+        return select(range, vec2<f32>(FAR, -FAR), over.x < 0.0);
+    }
+    let zero = line.t_near - over.x / over.y;
+    if over.y > 0.0 {
+        return vec2<f32>(max(range.x, zero), range.y);
+    }
+    return vec2<f32>(range.x, min(range.y, zero));
+}
+
+// The part between the side faces.
+fn between_sides(line: LoopLine) -> vec2<f32> {
+    var range = clip_positive(line, vec2<f32>(-FAR, FAR), over_u(line, 0.0));
+    range = clip_positive(line, range, -over_u(line, 1.0));
+    range = clip_positive(line, range, over_v(line, 0.0));
+    return clip_positive(line, range, -over_v(line, 1.0));
+}
+
+// Where the line crosses the patch at `w`, FAR where it does not. With S = z − wh, u′v′ is S/(A·n̂), so
+// S(1 + αq + βp) − (A·n̂)pq − (αβ/(A·n̂))S² = 0, a quadratic in t; αβ vanishes faster than A·n̂ (MODEL.md §4). A second
+// place of the patch with the same p and q, far outside of a convex loop, may add a crossing: a cut that cuts nothing.
+fn crossings_of_w(line: LoopLine, w: f32) -> vec2<f32> {
+    let value = vec3<f32>(line.value.xy, line.value.z - w * scene.thickness);
+    let slope = line.slope;
+    let bend = select(line.alpha * line.beta / line.lift, 0.0, abs(line.lift) < 1.0e-6);
+    let g = vec2<f32>(
+        1.0 + line.alpha * value.y + line.beta * value.x,
+        line.alpha * slope.y + line.beta * slope.x,
+    );
+    let c2 = slope.z * g.y - line.lift * slope.x * slope.y - bend * slope.z * slope.z;
+    let c1 = value.z * g.y + slope.z * g.x - line.lift * (value.x * slope.y + slope.x * value.y)
+        - 2.0 * bend * value.z * slope.z;
+    let c0 = value.z * g.x - line.lift * value.x * value.y - bend * value.z * value.z;
+    let discriminant = c1 * c1 - 4.0 * c2 * c0;
+    if discriminant < 0.0 {
+        return vec2<f32>(FAR);
+    }
+    let root = sqrt(discriminant);
+    let q = -0.5 * (c1 + select(-root, root, c1 >= 0.0));
+    // Each division is made only where its result is somewhere near: none is by zero.
+    var crossings = vec2<f32>(FAR);
+    if abs(c0) < BEYOND * abs(q) {
+        crossings.x = line.t_near + c0 / q;
+    }
+    if abs(q) < BEYOND * abs(c2) {
+        crossings.y = line.t_near + q / c2;
+    }
+    return crossings;
+}
+
+// The nearer of `cut` and `t`, if `t` lies beyond `after`.
+fn nearer(cut: f32, after: f32, t: f32) -> f32 {
+    return select(cut, min(cut, t), t > after);
+}
+
+// The nearest centre line of texels or line of layers beyond `t`, from inside the loop. The line that is nearest to the
+// place at `t` and its neighbours are looked at: rounding may put the place on either side of a line just crossed, but
+// distances of lines are always the same numbers.
+fn next_line(line: LoopLine, t: f32) -> f32 {
+    let place = place_on(line, t);
+    let layers = f32(LAYERS);
+    let shift = select(0.0, 0.5, LINEAR_LAYERS);
+    let texel = round(place.xy * scene.resolution - 0.5);
+    let layer = round((place.z + 0.5) * layers - shift);
+    let first_layer = select(1.0, 0.0, LINEAR_LAYERS);
+    var cut = FAR;
+    for (var step = -1.0; step <= 1.0; step += 1.0) {
+        let column = texel.x + step;
+        if column >= 0.0 && column < scene.resolution {
+            cut = nearer(cut, t, zero_of(line, over_u(line, (column + 0.5) / scene.resolution)));
+        }
+        let row = texel.y + step;
+        if row >= 0.0 && row < scene.resolution {
+            cut = nearer(cut, t, zero_of(line, over_v(line, (row + 0.5) / scene.resolution)));
+        }
+        let border = layer + step;
+        if border >= first_layer && border < layers {
+            let crossings = crossings_of_w(line, (border + shift) / layers - 0.5);
+            cut = nearer(nearer(cut, t, crossings.x), t, crossings.y);
+        }
+    }
+    return cut;
+}
+
+// How a ray goes on from a distance.
+struct Onward {
+    // Next distance at which it enters or leaves the loop or crosses a line in it.
+    cut: f32,
+    // Whether it is inside the loop until there.
+    inside: bool,
+}
+
+fn onward_from(line: LoopLine, t: f32) -> Onward {
+    let sides = between_sides(line);
+    if sides.x >= sides.y || t >= sides.y {
+        return Onward(FAR, false);
+    }
+    let start = max(t, sides.x);
+    var end = sides.y;
+    for (var w = -0.5; w <= 0.5; w += 1.0) {
+        let crossings = crossings_of_w(line, w);
+        end = nearer(nearer(end, start, crossings.x), start, crossings.y);
+    }
+    if abs(place_on(line, 0.5 * (start + end)).z) > 0.5 {
+        // Between the side faces, but before or behind the loop: the faces themselves cut nothing.
+        return Onward(select(FAR, end, end < sides.y), false);
+    }
+    if t < start {
+        return Onward(start, false);
+    }
+    return Onward(min(end, next_line(line, t)), true);
+}
+
+// Which entries of a cell's list: bit k stands for entry k, and in longer lists also for k + 128, k + 256 and so on.
+const MASKED: u32 = 128u;
+
+fn with_bit(mask: vec4<u32>, entry: u32) -> vec4<u32> {
+    let word = (entry % MASKED) / 32u;
+    return mask | select(vec4<u32>(), vec4<u32>(1u << (entry % 32u)), vec4<u32>(word) == vec4<u32>(0u, 1u, 2u, 3u));
+}
+
+// The first entry from `start` on whose bit is set, or `end`.
+fn next_bit(mask: vec4<u32>, start: u32, end: u32) -> u32 {
+    var entry = start;
+    while entry < end {
+        let word = mask[(entry % MASKED) / 32u] >> (entry % 32u);
+        if word != 0u {
+            return min(entry + firstTrailingBit(word), end);
+        }
+        entry = (entry / 32u + 1u) * 32u;
+    }
+    return end;
+}
+
+// The loops that a ray may meet in its part of a cell.
+fn met_in(ray: Ray, cell: Cell, t_from: f32, t_to: f32) -> vec4<u32> {
+    var met = vec4<u32>();
+    for (var i = next_met(cell, cell.entries_start); i < cell.entries_end; i = next_met(cell, i + 1u)) {
+        if COUNTERS {
+            count_patch_tests += 1u;
+        }
+        let line = loop_line(ray, open_entry(cell, i));
+        let sides = between_sides(line);
+        let reach = 0.5 * scene.thickness + 0.25 * abs(line.lift);
+        let heights = clip_band(vec2<f32>(-FAR, FAR), line.value.z, line.slope.z, reach);
+        let low = max(max(sides.x, heights.x + line.t_near), t_from);
+        let high = min(min(sides.y, heights.y + line.t_near), t_to);
+        if low < high {
+            met = with_bit(met, i - cell.entries_start);
+        }
+    }
+    return met;
+}
+
+// What a loop holds at a distance of a ray that is inside of it.
+struct Held {
+    index: u32,
+    // ρ, and ρ times the density of solid yarn.
+    rho: f32,
+    extinction: f32,
+    shade: f32,
+    at: vec3<f32>,
+}
+
+fn held_by(ray: Ray, cell: Cell, entry: u32, t: f32) -> Held {
+    let listed = open_entry(cell, cell.entries_start + entry);
+    let at = place_on(loop_line(ray, listed), t);
+    // In a list so long that bits are shared, this may be a loop that the ray is not inside of.
+    let outside = any(abs(at - vec3<f32>(0.5, 0.5, 0.0)) > vec3<f32>(0.5));
+    if cell.entries_end - cell.entries_start > MASKED && outside {
+        return Held(listed.index, 0.0, 0.0, 0.0, at);
+    }
+    let yarn = load_yarn(listed.index);
+    let rho = sample_density(yarn, at.x, at.y, layer_at(at.z));
+    return Held(listed.index, rho.x, rho.x * yarn.density, rho.y / max(rho.x, 1.0e-6), at);
+}
+
+// σ where a ray is inside of the loops of a mask; and the sum of the loops' own, which crowding lowers to σ.
+fn extinction_at(ray: Ray, cell: Cell, inside: vec4<u32>, t: f32) -> vec2<f32> {
+    let count = cell.entries_end - cell.entries_start;
+    var sum = 0.0;
+    var rho = 0.0;
+    for (var i = next_bit(inside, 0u, count); i < count; i = next_bit(inside, i + 1u, count)) {
+        let held = held_by(ray, cell, i, t);
+        sum += held.extinction;
+        rho += held.rho;
+    }
+    return vec2<f32>(sum * min(1.0, CROWDED / max(rho, 1.0e-6)), sum);
+}
+
+// The end of a march: the piece in which the transmittance e^−depth fell below a threshold.
+struct Marched {
+    // Whether it did, else the ray left the cloth.
+    fell: bool,
+    // ∫σ before that piece, or in the end.
+    depth: f32,
+    start: f32,
+    middle: f32,
+    // σ, and the sum of the loops' own.
+    extinction: f32,
+    sum: f32,
+    cell: Cell,
+    inside: vec4<u32>,
+}
+
+// Pieces of one ray: far more than there are between any two sides of a carpet.
+const MAX_CUTS: u32 = 1048576u;
+
+fn march(ray: Ray, depth_to: f32, t_to: f32) -> Marched {
+    var marched: Marched;
+    var walk = walk_begin(ray, scene.z_range, t_to);
+    let limit = walk_limit();
+    var cuts = 0u;
+    for (var n = 0u; n < limit && walk_goes_on(walk) && !marched.fell; n++) {
+        if COUNTERS {
+            count_cells += 1u;
+        }
+        let cell = open_cell(ray, walk.cell, walk.t_enter, walk.t_exit);
+        let count = cell.entries_end - cell.entries_start;
+        let met = met_in(ray, cell, walk.t_enter, walk.t_exit);
+        marched.cell = cell;
+        var t = select(walk.t_exit, walk.t_enter, any(met != vec4<u32>()));
+        while t < walk.t_exit && cuts < MAX_CUTS && !marched.fell {
+            cuts++;
+            var cut = walk.t_exit;
+            var inside = vec4<u32>();
+            for (var i = next_bit(met, 0u, count); i < count; i = next_bit(met, i + 1u, count)) {
+                let onward = onward_from(loop_line(ray, open_entry(cell, cell.entries_start + i)), t);
+                cut = min(cut, onward.cut);
+                if onward.inside {
+                    inside = with_bit(inside, i);
+                }
+            }
+            let pieces = select(0.0, ceil((cut - t) / slice.step), any(inside != vec4<u32>()));
+            let piece = (cut - t) / max(pieces, 1.0);
+            for (var k = 0.0; k < pieces; k += 1.0) {
+                let middle = t + (k + 0.5) * piece;
+                let extinction = extinction_at(ray, cell, inside, middle);
+                if COUNTERS && extinction.x > 0.0 {
+                    count_contributing_hits += 1u;
+                }
+                let depth = marched.depth + extinction.x * piece;
+                if depth > depth_to {
+                    marched.fell = true;
+                    marched.start = t + k * piece;
+                    marched.middle = middle;
+                    marched.extinction = extinction.x;
+                    marched.sum = extinction.y;
+                    marched.inside = inside;
+                    break;
+                }
+                marched.depth = depth;
+            }
+            t = cut;
+        }
+        walk_step(ray, &walk);
+    }
+    return marched;
+}
+
+// Where the transmittance along a ray falls below `threshold` in (0, 1]; `choice` in [0, 1) picks one of the loops there,
+// by their shares of σ.
+fn exact_first(ray: Ray, threshold: f32, choice: f32) -> Scatter {
+    let ground = ground_along(ray, FAR);
+    let depth_to = depth_of(threshold);
+    let marched = march(ray, depth_to, ground.t);
+    if !marched.fell {
+        if ground.t < FAR {
+            return ground_scatter(ray, ground);
+        }
+        return no_scatter();
+    }
+    let cell = marched.cell;
+    let count = cell.entries_end - cell.entries_start;
+    var rest = choice * marched.sum;
+    var chosen: Held;
+    for (var i = next_bit(marched.inside, 0u, count); i < count && rest >= 0.0; i = next_bit(marched.inside, i + 1u, count)) {
+        let held = held_by(ray, cell, i, marched.middle);
+        if held.extinction > 0.0 {
+            chosen = held;
+            rest -= held.extinction;
+        }
+    }
+    let t = marched.start + (depth_to - marched.depth) / marched.extinction;
+    return pile_scatter(ray, Gathered(1.0, t, chosen.shade, chosen.at), chosen.index);
+}
+
+// V: the share of light that passes all loops and the skeleton along a ray.
+fn exact_visibility(ray: Ray) -> f32 {
+    if ground_along(ray, FAR).t < FAR {
+        return 0.0;
+    }
+    let marched = march(ray, -log(BLOCKED), FAR);
+    return select(exp(-marched.depth), 0.0, marched.fell);
+}

@@ -1,0 +1,148 @@
+//! Same sample, same ray: sample k of a pixel is the same on the GPU and in the reference, for every shipped preset and every
+//! method without free paths, to the digits that f32 has (bounces = 1).
+
+use renderer_core::design::{Design, Method};
+use renderer_core::image::{Picture, metrics};
+
+use crate::support::device::{exact_gpu, finish, gpu, on_cpu};
+use crate::support::same_sample::{SAME_SHARE, same_picture};
+use crate::support::scenes::{preset_paths, request, small_towel};
+
+/// The methods whose samples are the same on both sides.
+const METHODS: [Method; 3] = [Method::Single, Method::Layered, Method::Exact];
+
+/// Every preset with its name, with one scattering.
+fn presets() -> impl Iterator<Item = (String, Design)> {
+    preset_paths().into_iter().map(|path| {
+        let mut design = towel_designer::files::load_design(&path).unwrap();
+        design.quality.bounces = 1;
+        let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+        (name, design)
+    })
+}
+
+/// Draws every preset by every method and compares.
+fn compare_presets(samples: &[u32], crop: Option<[u32; 4]>, most_flips: usize) {
+    let mut gpu = exact_gpu();
+    for (name, mut design) in presets() {
+        for method in METHODS {
+            for &count in samples {
+                (design.quality.method, design.quality.samples) = (method, count);
+                let mut request = request(&design, [128, 128]);
+                request.crop = crop.unwrap_or(request.crop);
+                let expected = on_cpu(&request);
+                let drawn = finish(&mut gpu, &request);
+                let what = format!("{name}, {}, {count} samples", method.name());
+                let agreement = same_picture(&request, &expected, &drawn, most_flips);
+                println!("{what}: {agreement:?}");
+                if std::env::var("GOON").is_err() {
+                    agreement.unwrap_or_else(|error| panic!("{what}: {error}"));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+#[ignore = "long: about 90 s"]
+fn every_preset_is_the_same_picture_on_both_sides() {
+    let flips = (1.0 - SAME_SHARE) * 128.0 * 128.0;
+    compare_presets(&[1, 4], None, flips as usize);
+}
+
+#[test]
+fn a_part_of_every_preset_is_the_same_on_both_sides() {
+    // A thousandth would be one pixel; by chance it is now and then four.
+    compare_presets(&[1], Some([40, 50, 40, 24]), 4);
+}
+
+#[test]
+fn the_hardware_filter_adds_little() {
+    // Sampler weights have 8 bits: a density is off by up to 1/512 of a step from voxel to voxel, in u and in v. The picture
+    // with f32 weights draws the same samples, so that nothing else differs; but where one event is taken for the next,
+    // a pixel of one sample changes altogether. Such errors have no preferred sign: the mean stays.
+    let (mut hardware, mut f32_filter) = (gpu(), exact_gpu());
+    let (mut worst, mut worst_shift) = (0.0_f64, 0.0_f64);
+    for (name, mut design) in presets() {
+        design.quality.samples = 1;
+        for method in [Method::Single, Method::Exact] {
+            design.quality.method = method;
+            let mut request = request(&design, [128, 128]);
+            request.crop = [32, 32, 48, 48];
+            let [a, b] = [&mut f32_filter, &mut hardware].map(|gpu| finish(gpu, &request));
+            let error = metrics::rel_rmse(&b, &a).unwrap();
+            let shift = metrics::mean_luminance(&b) / metrics::mean_luminance(&a) - 1.0;
+            println!(
+                "{name}, {}: relRMSE {error:.4}, mean {shift:+.5}",
+                method.name()
+            );
+            worst = worst.max(error);
+            worst_shift = worst_shift.max(shift.abs());
+        }
+    }
+    println!("hardware filter: relRMSE at most {worst:.4}, mean within {worst_shift:.5}");
+    assert!(
+        worst > 0.0,
+        "the hardware's filter is not the one with f32 weights"
+    );
+    assert!(worst < 0.2 && worst_shift < 0.01, "{worst} {worst_shift}");
+}
+
+#[test]
+fn the_comparator_refuses_wrong_pictures() {
+    let mut design = small_towel();
+    design.quality.samples = 4;
+    let request = request(&design, [48, 40]);
+    let right = on_cpu(&request);
+    let refused = |wrong: &Picture| same_picture(&request, &right, wrong, 2).is_err();
+    assert!(!refused(&right));
+
+    let changed = |change: &dyn Fn(&mut Picture)| {
+        let mut picture = right.clone();
+        change(&mut picture);
+        picture
+    };
+    assert!(
+        refused(&changed(&|picture| picture.pixels.reverse())),
+        "turned"
+    );
+    assert!(
+        refused(&changed(&|picture| picture.pixels.rotate_right(1))),
+        "shifted"
+    );
+    assert!(
+        refused(&changed(&|picture| picture.size = [40, 48])),
+        "of another size"
+    );
+    let brighter = |by: f32| {
+        changed(&|picture| {
+            for pixel in &mut picture.pixels {
+                *pixel = pixel.map(|value| value * by);
+            }
+        })
+    };
+    assert!(!refused(&brighter(1.0002)));
+    assert!(refused(&brighter(1.002)), "a little brighter");
+    // One pixel that no nudge explains; the brightest, which no nudge makes brighter.
+    let luminance = |pixel: &[f32; 4]| pixel[0] + pixel[1] + pixel[2];
+    let brightest = |picture: &Picture| {
+        let pixels = picture.pixels.iter().enumerate();
+        let (index, _) = pixels
+            .max_by(|a, b| luminance(a.1).total_cmp(&luminance(b.1)))
+            .unwrap();
+        index
+    };
+    for by in [1.005, 2.0, f32::NAN] {
+        let wrong = changed(&|picture| {
+            let index = brightest(picture);
+            picture.pixels[index][1] *= by;
+        });
+        assert!(refused(&wrong), "one pixel times {by}");
+    }
+    let samples_of_another = on_cpu(&{
+        let mut other = request.clone();
+        other.settings.seed += 1;
+        other
+    });
+    assert!(refused(&samples_of_another), "other samples");
+}

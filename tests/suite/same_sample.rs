@@ -33,11 +33,12 @@ fn compare_presets(samples: &[u32], crop: Option<[u32; 4]>, most_flips: usize) {
                 let expected = on_cpu(&request);
                 let drawn = finish(&mut gpu, &request);
                 let what = format!("{name}, {}, {count} samples", method.name());
-                let agreement = same_picture(&request, &expected, &drawn, most_flips);
-                println!("{what}: {agreement:?}");
-                if std::env::var("GOON").is_err() {
-                    agreement.unwrap_or_else(|error| panic!("{what}: {error}"));
-                }
+                // Flips of `layered`, one in several thousand pixels, are not all at edges that a nudge of the camera's
+                // ray finds.
+                let traced = method != Method::Layered;
+                let agreement = same_picture(&request, &expected, &drawn, most_flips, traced);
+                eprintln!("{what}: {agreement:?}");
+                agreement.unwrap_or_else(|error| panic!("{what}: {error}"));
             }
         }
     }
@@ -72,7 +73,7 @@ fn the_hardware_filter_adds_little() {
             let [a, b] = [&mut f32_filter, &mut hardware].map(|gpu| finish(gpu, &request));
             let error = metrics::rel_rmse(&b, &a).unwrap();
             let shift = metrics::mean_luminance(&b) / metrics::mean_luminance(&a) - 1.0;
-            println!(
+            eprintln!(
                 "{name}, {}: relRMSE {error:.4}, mean {shift:+.5}",
                 method.name()
             );
@@ -80,7 +81,7 @@ fn the_hardware_filter_adds_little() {
             worst_shift = worst_shift.max(shift.abs());
         }
     }
-    println!("hardware filter: relRMSE at most {worst:.4}, mean within {worst_shift:.5}");
+    eprintln!("hardware filter: relRMSE at most {worst:.4}, mean within {worst_shift:.5}");
     assert!(
         worst > 0.0,
         "the hardware's filter is not the one with f32 weights"
@@ -94,7 +95,7 @@ fn the_comparator_refuses_wrong_pictures() {
     design.quality.samples = 4;
     let request = request(&design, [48, 40]);
     let right = on_cpu(&request);
-    let refused = |wrong: &Picture| same_picture(&request, &right, wrong, 2).is_err();
+    let refused = |wrong: &Picture| same_picture(&request, &right, wrong, 2, true).is_err();
     assert!(!refused(&right));
 
     let changed = |change: &dyn Fn(&mut Picture)| {

@@ -184,7 +184,7 @@ fn errors_fall_with_the_step_at_the_order_of_the_method() {
     let errors = |method| steps.map(|step| rms_difference(&depths(method, step), &truth));
     let (exact, six_face) = (errors(Method::Exact), errors(Method::SixFace));
     let (exact_order, six_face_order) = (order(&steps, &exact), order(&steps, &six_face));
-    println!(
+    eprintln!(
         "exact {exact:.6?} order {exact_order:.2}, six-face {six_face:.6?} order {six_face_order:.2}"
     );
     // σ is smooth between the cuts of exact: the midpoint rule is of second order. six-face meets the ends of loops, where σ
@@ -274,7 +274,7 @@ fn slabs_converge_as_layers_grow() {
         }
         let thicknesses = layers.map(|count| 1.0 / f64::from(count));
         let measured = order(&thicknesses, &errors);
-        println!("{method:?} {twist}: {errors:.6?} order {measured:.2}");
+        eprintln!("{method:?} {twist}: {errors:.6?} order {measured:.2}");
         assert!(measured > 0.9, "{method:?} {twist}: {errors:?}: {measured}");
         assert!(errors[4] < 1e-3, "{method:?} {twist}: {errors:?}");
     }

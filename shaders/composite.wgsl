@@ -50,8 +50,8 @@ fn second_event(roots: Roots, index: u32, layer: u32) -> Event {
     return Event(roots.second.z, roots.second.x, roots.second.y, gap, index, layer);
 }
 
-// The nearest events of a cell from `t_from` to `t_to` that lie beyond `after`.
-fn nearest_events(ray: Ray, cell: Cell, t_from: f32, t_to: f32, after: f32) -> Nearest {
+// The nearest events of a cell from `t_from` to `t_to` that come after another.
+fn nearest_events(ray: Ray, cell: Cell, t_from: f32, t_to: f32, after: Event) -> Nearest {
     var nearest = no_events();
     for (var i = next_met(cell, cell.entries_start); i < cell.entries_end; i = next_met(cell, i + 1u)) {
         let listed = open_entry(cell, i);
@@ -59,11 +59,13 @@ fn nearest_events(ray: Ray, cell: Cell, t_from: f32, t_to: f32, after: f32) -> N
         let origin = origin_in_cell(ray, listed.cell);
         for (var layer = 0u; layer < solves(); layer++) {
             let roots = solve(shape, origin, ray.direction, layer);
-            if roots.count > 0u && roots.first.z > after && event_is_in(ray, roots.first.z, t_from, t_to) {
-                offer(&nearest, first_event(roots, listed.index, layer));
+            let first = first_event(roots, listed.index, layer);
+            if roots.count > 0u && comes_before(after, first) && event_is_in(ray, first.t, t_from, t_to) {
+                offer(&nearest, first);
             }
-            if roots.count > 1u && roots.second.z > after && event_is_in(ray, roots.second.z, t_from, t_to) {
-                offer(&nearest, second_event(roots, listed.index, layer));
+            let second = second_event(roots, listed.index, layer);
+            if roots.count > 1u && comes_before(after, second) && event_is_in(ray, second.t, t_from, t_to) {
+                offer(&nearest, second);
             }
         }
     }
@@ -103,7 +105,7 @@ fn composite_first(ray: Ray, threshold: f32) -> Scatter {
             count_cells += 1u;
         }
         let cell = open_cell(ray, walk.cell, walk.t_enter, walk.t_exit);
-        var after = -FAR;
+        var after = event_at_infinity(-FAR);
         var scans = select(0u, MAX_SCANS, cell.entries_start < cell.entries_end);
         for (; scans > 0u; scans--) {
             var nearest = nearest_events(ray, cell, walk.t_enter, walk.t_exit, after);
@@ -112,7 +114,7 @@ fn composite_first(ray: Ray, threshold: f32) -> Scatter {
                 chosen = gathered(nearest.a, shape, patch_normal(shape), load_yarn(nearest.a.index), ray);
                 chosen_index = nearest.a.index;
                 depth += chosen.depth;
-                after = nearest.a.t;
+                after = nearest.a;
                 drop_first(&nearest);
             }
             if nearest.offered <= NEAREST || depth > depth_to {

@@ -29,29 +29,42 @@ const NEAREST: u32 = 4u;
 // Scans of one cell; with NEAREST events each, more than loops of 64 layers crowded into a cell can make visible.
 const MAX_SCANS: u32 = 256u;
 
-fn no_event() -> Event {
-    return Event(FAR, 0.0, 0.0, FAR, 0u, 0u);
+fn event_at_infinity(t: f32) -> Event {
+    return Event(t, 0.0, 0.0, FAR, 0u, 0u);
+}
+
+// The order of events. Rounding makes some distances equal; then loop and layer decide, so that an event is neither lost
+// nor found twice where a scan ends between two of the same distance.
+fn comes_before(a: Event, b: Event) -> bool {
+    if a.t != b.t {
+        return a.t < b.t;
+    }
+    if a.index != b.index {
+        return a.index < b.index;
+    }
+    return a.layer < b.layer;
 }
 
 fn no_events() -> Nearest {
-    return Nearest(no_event(), no_event(), no_event(), no_event(), 0u);
+    let none = event_at_infinity(FAR);
+    return Nearest(none, none, none, none, 0u);
 }
 
 fn offer(nearest: ptr<function, Nearest>, event: Event) {
     (*nearest).offered += 1u;
-    if event.t < (*nearest).b.t {
+    if comes_before(event, (*nearest).b) {
         (*nearest).d = (*nearest).c;
         (*nearest).c = (*nearest).b;
-        if event.t < (*nearest).a.t {
+        if comes_before(event, (*nearest).a) {
             (*nearest).b = (*nearest).a;
             (*nearest).a = event;
         } else {
             (*nearest).b = event;
         }
-    } else if event.t < (*nearest).c.t {
+    } else if comes_before(event, (*nearest).c) {
         (*nearest).d = (*nearest).c;
         (*nearest).c = event;
-    } else if event.t < (*nearest).d.t {
+    } else if comes_before(event, (*nearest).d) {
         (*nearest).d = event;
     }
 }

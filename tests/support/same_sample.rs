@@ -30,14 +30,13 @@ pub struct Agreement {
 }
 
 /// Whether `picture` holds the same samples as the reference draws for `request`: all numbers finite, all pixels but
-/// `most_flips` within [`SAME`], those at most [`SAME_REL_RMSE`] apart altogether, and, if they are to be `traced`, each of the rest such that rays
+/// `most_flips` within [`SAME`], those at most [`SAME_REL_RMSE`] apart altogether, and each of the rest such that rays
 /// nudged by next to nothing, and so on one side of an edge or the other, draw what `picture` holds.
 pub fn same_picture(
     request: &RenderRequest,
     expected: &Picture,
     picture: &Picture,
     most_flips: usize,
-    traced: bool,
 ) -> Result<Agreement, String> {
     if expected.size != picture.size {
         return Err(format!("sizes {:?} and {:?}", expected.size, picture.size));
@@ -70,9 +69,6 @@ pub fn same_picture(
         || agreement.close < CLOSE_SHARE
     {
         return Err(format!("{agreement:?} of {count} pixels"));
-    }
-    if !traced {
-        return Ok(agreement);
     }
     let tracer = Tracer::new(request);
     for (index, a, b) in flips {

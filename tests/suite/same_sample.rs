@@ -33,7 +33,10 @@ fn compare_presets(samples: &[u32], crop: Option<[u32; 4]>, most_flips: usize) {
                 let expected = on_cpu(&request);
                 let drawn = finish(&mut gpu, &request);
                 let what = format!("{name}, {}, {count} samples", method.name());
-                let agreement = same_picture(&request, &expected, &drawn, most_flips);
+                // Flips of `layered`, one in several ten thousand pixels, are not all at edges that a nudge of the camera's
+                // ray finds: most are edges of the shadow ray.
+                let traced = method != Method::Layered;
+                let agreement = same_picture(&request, &expected, &drawn, most_flips, traced);
                 eprintln!("{what}: {agreement:?}");
                 agreement.unwrap_or_else(|error| panic!("{what}: {error}"));
             }
@@ -92,7 +95,7 @@ fn the_comparator_refuses_wrong_pictures() {
     design.quality.samples = 4;
     let request = request(&design, [48, 40]);
     let right = on_cpu(&request);
-    let refused = |wrong: &Picture| same_picture(&request, &right, wrong, 2).is_err();
+    let refused = |wrong: &Picture| same_picture(&request, &right, wrong, 2, true).is_err();
     assert!(!refused(&right));
 
     let changed = |change: &dyn Fn(&mut Picture)| {

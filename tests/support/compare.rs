@@ -17,7 +17,9 @@ pub const MAX_FLIPS: f64 = 0.01;
 
 /// How far rays are moved to see what rounding could have drawn, pixels: from the rounding of a ray's own direction to
 /// that of points it meets far away.
-const NUDGES_PX: [f64; 5] = [1e-6, 1e-5, 1e-4, 5e-4, 2e-3];
+const NUDGES_PX: [f64; 7] = [1e-6, 1e-5, 1e-4, 5e-4, 2e-3, 4e-3, 8e-3];
+/// Directions in which they are moved.
+const NUDGE_DIRECTIONS: u32 = 16;
 
 /// Whether `picture` holds the same samples as the reference draws, the request having one sample a pixel: each pixel
 /// within [`ROUNDING`] of the reference's, but for a few where a ray passes so close to an edge that rounding decides;
@@ -69,11 +71,11 @@ fn nudged(request: &RenderRequest, pixel: [u32; 2]) -> impl Iterator<Item = [f32
     })
 }
 
-/// The request with its rays nudged in eight directions, by little and by more.
+/// The request with its rays nudged in all directions, by little and by more.
 pub fn nudges(request: &RenderRequest) -> impl Iterator<Item = RenderRequest> {
     NUDGES_PX.into_iter().flat_map(move |by| {
-        (0..8).map(move |k| {
-            let angle = f64::from(k) * std::f64::consts::FRAC_PI_4;
+        (0..NUDGE_DIRECTIONS).map(move |k| {
+            let angle = f64::from(k) * std::f64::consts::TAU / f64::from(NUDGE_DIRECTIONS);
             let mut moved = request.clone();
             moved.camera = nudge(request, DVec2::from_angle(angle) * by);
             moved

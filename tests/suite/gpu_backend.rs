@@ -418,3 +418,23 @@ fn the_display_texture_shows_what_files_show() {
     let picture = finish(&mut backend, &request(&design, [70, 9]));
     assert_displays(&picture, &shown(&mut backend, ToneMap::None), ToneMap::None);
 }
+
+#[test]
+fn six_faces_are_left_to_the_processor() {
+    use towel_designer::backend::BackendChoice;
+    let mut design = small_towel();
+    design.quality.method = Method::SixFace;
+    let error = gpu().begin(&request(&design, SIZE)).unwrap_err();
+    let told = error.to_string();
+    assert!(
+        told.contains("six-face") && told.contains("--backend cpu"),
+        "{told}"
+    );
+    for (choice, method, expected) in [
+        (BackendChoice::Auto, Method::SixFace, BackendChoice::Cpu),
+        (BackendChoice::Auto, Method::Exact, BackendChoice::Auto),
+        (BackendChoice::Gpu, Method::SixFace, BackendChoice::Gpu),
+    ] {
+        assert_eq!(choice.for_method(method), expected);
+    }
+}

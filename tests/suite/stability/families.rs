@@ -29,7 +29,7 @@ pub const FAMILIES: [Family; 14] = [
     family("planar", planar, [0.005, 0.005, 0.4], 1.0),
     family("nearly planar", nearly_planar, [0.005, 0.005, 0.4], 1.0),
     family("twisted up to folding", twisted, [0.005, 0.015, 0.55], 1.0),
-    family("slivers", slivers, [0.02, 0.04, 0.9], 1.0),
+    family("slivers", slivers, [0.03, 0.04, 0.9], 1.0),
     family(
         "coincident corners",
         coincident,

@@ -70,8 +70,12 @@ fn widened(patch: &BilinearPatch, by: f64) -> BilinearPatch {
 /// The number of crossings, if rounding cannot change it.
 fn clear_count(case: &Case) -> Option<usize> {
     let (patch, ray) = (case.patch(), case.ray());
-    let [small, large] = [-1.0, 1.0].map(|sign| widened(&patch, sign * tolerance(case)));
-    let count = patch.roots(&ray).as_slice().len();
+    let roots = patch.roots(&ray);
+    let count = roots.as_slice().len();
+    // Where the patch comes to a point, u there is uncertain by more.
+    let uncertain = roots.as_slice().iter().map(|root| tolerance_at(case, root));
+    let by = uncertain.fold(tolerance(case), f64::max).min(0.45);
+    let [small, large] = [-by, by].map(|by| widened(&patch, by));
     let (shift, size) = (2.0 * rounding(case), size_of(case));
     let near = ray.at((patch.centre - ray.origin).dot(ray.direction));
     let (x, y) = orthonormal_basis(ray.direction);

@@ -4,33 +4,21 @@
 use renderer_core::cpu::CpuBackend;
 use renderer_core::design::{Colour, Design, Method, Pattern, Phase};
 use renderer_core::image::Picture;
-use renderer_core::render::{Backend, RenderRequest};
 
 use crate::support::agreement::same_distribution;
-use crate::support::compare::REPEATS;
-use crate::support::device::{finish, gpu};
+use crate::support::device::{gpu, repeats};
 use crate::support::scenes::{preset_paths, request, small_towel};
 
 const SIZE: [u32; 2] = [16, 12];
 /// Samples of one picture: 16 pictures have 256.
 const SAMPLES: u32 = 16;
 
-fn drawn(backend: &mut dyn Backend, request: &RenderRequest, first_seed: u32) -> Vec<Picture> {
-    let mut request = request.clone();
-    (0..REPEATS as u32)
-        .map(|k| {
-            request.settings.seed = first_seed + k;
-            finish(backend, &request)
-        })
-        .collect()
-}
-
 fn on_device(design: &Design, size: [u32; 2]) -> Vec<Picture> {
-    drawn(&mut gpu(), &request(design, size), 31_000)
+    repeats(&mut gpu(), &request(design, size), 31_000)
 }
 
 fn on_processor(design: &Design, size: [u32; 2]) -> Vec<Picture> {
-    drawn(&mut CpuBackend::default(), &request(design, size), 47_000)
+    repeats(&mut CpuBackend::default(), &request(design, size), 47_000)
 }
 
 fn tracked(mut design: Design, bounces: u32) -> Design {
@@ -145,7 +133,7 @@ fn without_a_loop(pattern: &Pattern) -> Pattern {
 fn wrong_noise_and_wrong_pixels_are_refused() {
     let design = tracked(thin_towel(), 1);
     let cpu = on_processor(&design, SIZE);
-    let same = drawn(&mut CpuBackend::default(), &request(&design, SIZE), 90_000);
+    let same = repeats(&mut CpuBackend::default(), &request(&design, SIZE), 90_000);
     same_distribution(&cpu, &same).unwrap();
 
     // The same mean from half as many samples: twice the variance.

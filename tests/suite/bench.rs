@@ -1,4 +1,6 @@
 //! `bench`: the whole command at a tiny size, what its files say, and the logic behind them on made-up measurements.
+//!
+//! Longer than most files because the parts of the command are tried on the same made-up rows.
 
 use std::fs;
 use std::path::Path;

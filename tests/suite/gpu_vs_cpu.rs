@@ -7,10 +7,10 @@ use renderer_core::design::{
 };
 use renderer_core::gpu::GpuBackend;
 use renderer_core::image::Picture;
-use renderer_core::render::{Backend, RenderRequest};
+use renderer_core::render::Backend;
 
 use crate::support::compare::{REPEATS, same_means, same_samples, shows_something};
-use crate::support::device::{exact_gpu, finish, gpu, on_cpu};
+use crate::support::device::{exact_gpu, finish, gpu, on_cpu, repeats};
 use crate::support::scenes::{preset_paths, request, small_towel};
 
 const SIZE: [u32; 2] = [48, 40];
@@ -148,17 +148,6 @@ fn a_crop_holds_the_pixels_of_the_whole() {
             assert!(near, "{x},{y}: {of_whole:?} and {of_part:?}");
         }
     }
-}
-
-/// Pictures with consecutive seeds.
-fn repeats(backend: &mut dyn Backend, request: &RenderRequest, first_seed: u32) -> Vec<Picture> {
-    let mut request = request.clone();
-    (0..REPEATS as u32)
-        .map(|k| {
-            request.settings.seed = first_seed + k;
-            finish(backend, &request)
-        })
-        .collect()
 }
 
 /// Pictures of the GPU and of the processor, with different seeds.

@@ -34,7 +34,7 @@ fn compare_presets(samples: &[u32], crop: Option<[u32; 4]>, most_flips: usize) {
                 let drawn = finish(&mut gpu, &request);
                 let what = format!("{name}, {}, {count} samples", method.name());
                 // Flips of `layered`, one in several ten thousand pixels, are not all at edges that a nudge of the camera's
-                // ray finds: most are edges of the shadow ray.
+                // ray finds: one that was looked into is at an edge of the shadow ray.
                 let traced = method != Method::Layered;
                 let agreement = same_picture(&request, &expected, &drawn, most_flips, traced);
                 eprintln!("{what}: {agreement:?}");

@@ -7,8 +7,8 @@ use renderer_core::design::{Design, Method, Phase, Sampler};
 use renderer_core::image::Picture;
 use renderer_core::render::{Backend, RenderError};
 
-use crate::support::compare::{REPEATS, same_means, same_samples};
-use crate::support::device::{exact_gpu, finish, gpu, on_cpu};
+use crate::support::compare::{same_means, same_samples};
+use crate::support::device::{exact_gpu, finish, gpu, on_cpu, repeats};
 use crate::support::scenes::{request, small_towel};
 
 /// Isotropic pile without yarns, so that a point's light has a closed form.
@@ -97,18 +97,9 @@ fn paths_without_shadows_have_the_same_expectation_on_both_backends() {
     design.quality.samples = 4;
     for (method, bounces) in [(Method::Tracked, 4), (Method::Single, 3)] {
         (design.quality.method, design.quality.bounces) = (method, bounces);
-        let mut request = request(&design, [24, 24]);
-        let mut repeats = |backend: &mut dyn Backend, first_seed: u32| -> Vec<Picture> {
-            let seeds = first_seed..first_seed + REPEATS as u32;
-            seeds
-                .map(|seed| {
-                    request.settings.seed = seed;
-                    finish(backend, &request)
-                })
-                .collect()
-        };
-        let gpu = repeats(&mut gpu(), 100);
-        let cpu = repeats(&mut CpuBackend::default(), 900);
+        let request = request(&design, [24, 24]);
+        let gpu = repeats(&mut gpu(), &request, 100);
+        let cpu = repeats(&mut CpuBackend::default(), &request, 900);
         same_means(&cpu, &gpu).unwrap_or_else(|error| panic!("{method:?}: {error}"));
     }
 }

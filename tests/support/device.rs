@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
+use super::compare::REPEATS;
 use renderer_core::cpu::CpuBackend;
 use renderer_core::gpu::{GpuBackend, GpuContext};
 use renderer_core::image::Picture;
@@ -51,6 +52,21 @@ pub fn finish_in_slices(
     let never = AtomicBool::new(false);
     while !backend.advance(slice, &never).unwrap().done {}
     backend.picture().unwrap()
+}
+
+/// Pictures of a request with [`REPEATS`] consecutive seeds.
+pub fn repeats(
+    backend: &mut dyn Backend,
+    request: &RenderRequest,
+    first_seed: u32,
+) -> Vec<Picture> {
+    let mut request = request.clone();
+    (0..REPEATS as u32)
+        .map(|k| {
+            request.settings.seed = first_seed + k;
+            finish(backend, &request)
+        })
+        .collect()
 }
 
 /// The picture of the processor.

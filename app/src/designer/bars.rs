@@ -6,7 +6,8 @@ use renderer_core::design::CameraDesign;
 use super::camera_moves::StandardView;
 use super::command::{Command, keys_of};
 use super::document::Document;
-use super::render_thread::{LiveLight, Shown};
+use super::live_light::LiveLight;
+use super::render_thread::Shown;
 use super::viewport::{Viewport, progress_text};
 use crate::backend::BackendChoice;
 

@@ -6,7 +6,7 @@ use egui::{Context, Key, KeyboardShortcut, Modifiers};
 use renderer_core::design::CameraDesign;
 
 use super::camera_moves::StandardView;
-use super::render_thread::LiveLight;
+use super::live_light::LiveLight;
 use crate::backend::BackendChoice;
 
 /// Something to do that is no edit of the design.

@@ -18,6 +18,7 @@ mod display_table;
 mod document;
 mod export;
 mod help;
+mod live_light;
 mod notices;
 pub mod panels;
 mod preset_list;
@@ -39,7 +40,8 @@ use renderer_core::design::{ChartImage, Design, EnvironmentImage};
 
 pub use command::Command;
 pub use document::Document;
-pub use render_thread::{LiveLight, Shown, Wish};
+pub use live_light::LiveLight;
+pub use render_thread::{Shown, Wish};
 pub use renderer::{MakeBackend, Shot};
 pub use widgets::label_of;
 

@@ -14,9 +14,10 @@ use std::time::{Duration, Instant};
 
 use renderer_core::design::{CameraDesign, Design};
 use renderer_core::image::Display;
-use renderer_core::render::{BackendKind, Camera, Progress, RenderRequest, Settings};
+use renderer_core::render::{BackendKind, Camera, Progress, RenderRequest};
 use renderer_core::scene::{self, Compiler, LoopCounts, Scene};
 
+use super::live_light::LiveLight;
 use super::renderer::{Developer, MakeRenderer, Renderer, Shot};
 use crate::backend::BackendChoice;
 
@@ -52,48 +53,6 @@ pub struct Wish {
     pub choice: BackendChoice,
     /// Which light.
     pub light: LiveLight,
-}
-
-/// How the viewport gets the light of many bounces.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum LiveLight {
-    /// Estimated after the first scattering, unless the design itself says after which.
-    #[default]
-    Fast,
-    /// As the design says: what an export shows.
-    True,
-}
-
-impl LiveLight {
-    /// Both, in menu order.
-    pub const ALL: [Self; 2] = [Self::Fast, Self::True];
-
-    /// What menus call it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Fast => "fast light",
-            Self::True => "true light",
-        }
-    }
-
-    /// What it does.
-    pub fn what(self) -> &'static str {
-        match self {
-            Self::Fast => {
-                "Light that bounces on between the loops is estimated: clear much sooner, a little off in brightness and depth. Exports are not affected."
-            }
-            Self::True => "Every bounce of light is traced, as in an export.",
-        }
-    }
-
-    /// The settings of a picture of a design with this light.
-    fn settings(self, design: &Design) -> Settings {
-        let mut settings = Settings::from(&design.quality);
-        if self == Self::Fast && settings.traced_bounces == 0 {
-            settings.traced_bounces = 1;
-        }
-        settings
-    }
 }
 
 /// What the thread is doing.

@@ -14,7 +14,8 @@ use renderer_core::image::Display;
 use renderer_core::render::MAX_SIDE;
 
 use super::camera_moves::{self, StandardView};
-use super::render_thread::{Activity, LiveLight, RenderThread, Shown, Wish};
+use super::live_light::LiveLight;
+use super::render_thread::{Activity, RenderThread, Shown, Wish};
 use super::renderer::{MakeBackend, Shot, for_window};
 use super::style;
 use crate::backend::BackendChoice;

@@ -1,6 +1,7 @@
 //! `exact` and `six-face` against every loop looked at without a grid, quadrature and closed forms.
 
 use glam::DVec3;
+use renderer_core::cpu::CpuBackend;
 use renderer_core::design::{Back, Design, Interpolation, Method, Pattern};
 use renderer_core::geometry::{Interval, Ray, clip_to_box};
 use renderer_core::image::Picture;
@@ -9,8 +10,8 @@ use renderer_core::scene::{Scene, Section, Volumes, compile};
 
 use super::cloth::{Random, all_loops, block, block_extent, blocks, edit_pile, request};
 use super::tracking::{optical_depth, towel_of_two_yarns};
-use crate::support::compare::{REPEATS, same_means};
-use crate::support::device::on_cpu;
+use crate::support::compare::same_means;
+use crate::support::device::repeats;
 use crate::support::scenes::small_towel;
 
 /// A tracer with steps of `step_mm`.
@@ -288,13 +289,8 @@ fn exact_and_tracked_pictures_have_the_same_expectation() {
         let mut design = design.clone();
         design.quality.method = method;
         design.pile.density *= density;
-        let mut request = crate::support::scenes::request(&design, [24, 24]);
-        (0..REPEATS as u32)
-            .map(|k| {
-                request.settings.seed = first_seed + k;
-                on_cpu(&request)
-            })
-            .collect()
+        let request = crate::support::scenes::request(&design, [24, 24]);
+        repeats(&mut CpuBackend::default(), &request, first_seed)
     };
     let exact = pictures(Method::Exact, 1.0, 100);
     same_means(&exact, &pictures(Method::Tracked, 1.0, 900)).unwrap();

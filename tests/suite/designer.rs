@@ -3,6 +3,8 @@
 //!
 //! Longer than most files because one window is driven: its panels, gestures and dialogs share one set of helpers.
 
+mod small_pictures;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;

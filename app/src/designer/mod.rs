@@ -6,8 +6,8 @@
 //! ```
 //!
 //! Panels edit the document and nothing else. What takes time happens on other threads: rendering
-//! (`render_thread`), reading files (`tasks`), exporting (`export`), system dialogs (`dialogs`). What commands do is in
-//! `work`.
+//! (`render_thread`), small pictures beside it (`small_pictures`), reading files (`tasks`), exporting (`export`), system
+//! dialogs (`dialogs`). What commands do is in `work`.
 
 mod bars;
 pub mod camera_moves;
@@ -24,6 +24,7 @@ pub mod panels;
 mod preset_list;
 mod render_thread;
 mod renderer;
+pub mod small_pictures;
 mod style;
 mod tasks;
 mod viewport;
@@ -52,6 +53,7 @@ use export::Export;
 use notices::Notices;
 use panels::{Panels, Surroundings};
 use preset_list::PresetList;
+use small_pictures::SmallPictures;
 use tasks::Task;
 use viewport::Viewport;
 
@@ -71,6 +73,7 @@ pub struct Setup {
 pub struct App {
     document: Document,
     viewport: Viewport,
+    small_pictures: SmallPictures,
     panels: Panels,
     presets: PresetList,
     dialogs: Dialogs,
@@ -147,6 +150,7 @@ impl App {
         let mut app = Self {
             document: Document::default(),
             viewport: Viewport::new(Arc::clone(&setup.make), setup.choice, cc),
+            small_pictures: SmallPictures::new(Arc::clone(&setup.make), ctx.clone()),
             panels: Panels::default(),
             presets: PresetList::new(ctx),
             dialogs: Dialogs::new(setup.system_dialogs),
@@ -226,6 +230,7 @@ impl App {
                     warnings: &warnings,
                     camera: &self.viewport.camera,
                     commands: &mut commands,
+                    small_pictures: &mut self.small_pictures,
                 };
                 let design = &mut self.document.design;
                 self.panels.show(ui, design, &mut around);
@@ -267,6 +272,8 @@ impl eframe::App for App {
         let ctx = ui.ctx().clone();
         self.close_requested(&ctx);
         self.viewport.take_news(&ctx);
+        self.small_pictures
+            .give_way(self.viewport.shown().is_busy());
         self.take_loaded();
         self.take_dropped_files(&ctx);
         let is_asking = self.dialogs.is_browsing() || self.asked.is_some();

@@ -78,6 +78,8 @@ pub struct Shown {
     pub progress: Progress,
     /// Whether the newest picture is a small one, drawn for speed.
     pub is_reduced: bool,
+    /// Whether no picture of full size shows what is wished yet.
+    pub is_first: bool,
     /// What the thread is doing.
     pub activity: Activity,
     /// Time spent rendering since the last wish that changed the picture.
@@ -92,6 +94,17 @@ pub struct Shown {
     pub warnings: Vec<String>,
     /// What went wrong, until something goes right.
     pub error: Option<String>,
+}
+
+impl Shown {
+    /// Whether the thread works towards the first picture of what is wished: somebody waits for it.
+    pub fn is_busy(&self) -> bool {
+        match self.activity {
+            Activity::Idle => false,
+            Activity::Compiling => true,
+            Activity::Rendering => self.is_first,
+        }
+    }
 }
 
 #[derive(Default)]
@@ -339,13 +352,18 @@ impl<'a> Worker<'a> {
         if let (true, Some(scene)) = (same, &self.scene) {
             return Ok(Arc::clone(scene));
         }
-        self.publish(|shown| shown.activity = Activity::Compiling);
+        let mut before = Activity::Idle;
+        self.publish(|shown| {
+            before = std::mem::replace(&mut shown.activity, Activity::Compiling);
+        });
         let scene = self
             .compiler
             .compile(design)
             .map_err(|error| error.to_string())?;
         let (counts, warnings) = (scene.loops.counts, scene::warnings(design, &scene));
         self.publish(|shown| {
+            // Where the picture stays the same, so does what is being done.
+            shown.activity = before;
             shown.counts = counts;
             shown.warnings = warnings;
         });
@@ -395,6 +413,7 @@ impl<'a> Worker<'a> {
         let bytes = backend.device_bytes();
         self.publish(|shown| {
             shown.activity = Activity::Rendering;
+            shown.is_first = true;
             shown.device_bytes = bytes;
             shown.error = None;
         });
@@ -468,6 +487,7 @@ impl<'a> Worker<'a> {
             shown.version += 1;
             shown.progress = progress;
             shown.is_reduced = is_reduced;
+            shown.is_first = is_reduced;
             shown.seconds = seconds;
             shown.device_bytes = bytes;
         });

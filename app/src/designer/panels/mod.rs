@@ -14,6 +14,7 @@ use egui::{CollapsingHeader, RichText, ScrollArea, Ui};
 use renderer_core::design::{CameraDesign, Design, Fault};
 
 use super::command::Command;
+use super::small_pictures::SmallPictures;
 
 /// What panels remember that is no part of the design.
 #[derive(Default)]
@@ -35,6 +36,8 @@ pub struct Surroundings<'a> {
     pub camera: &'a CameraDesign,
     /// Where panels put what they ask for.
     pub commands: &'a mut Vec<Command>,
+    /// Draws thumbnails.
+    pub small_pictures: &'a mut SmallPictures,
 }
 
 /// Title of a panel, the parts of the design whose faults belong to it, and whether it starts open.

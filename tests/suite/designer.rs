@@ -92,6 +92,7 @@ fn designer_of_size(preset: Option<PathBuf>, size: Vec2) -> Harness<'static, App
                     }))
                 }),
                 system_dialogs: false,
+                folders: None,
             };
             App::new(cc, setup)
         });
@@ -808,6 +809,7 @@ fn the_gpu_draws_on_the_windows_own_device() {
                 choice: BackendChoice::Gpu,
                 make: Arc::new(|_| panic!("a second device")),
                 system_dialogs: false,
+                folders: None,
             };
             App::new(cc, setup)
         });

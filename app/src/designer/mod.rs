@@ -17,6 +17,7 @@ mod dialogs;
 mod display_table;
 mod document;
 mod export;
+mod folders;
 mod help;
 mod live_light;
 mod notices;
@@ -41,6 +42,7 @@ use renderer_core::design::{ChartImage, Design, EnvironmentImage};
 
 pub use command::Command;
 pub use document::Document;
+pub use folders::Folders;
 pub use live_light::LiveLight;
 pub use render_thread::{Shown, Wish};
 pub use renderer::{MakeBackend, Shot};
@@ -67,6 +69,8 @@ pub struct Setup {
     pub make: MakeBackend,
     /// Whether to try the system's file dialogs before our own.
     pub system_dialogs: bool,
+    /// Where to keep what outlives the program; without, nothing is kept.
+    pub folders: Option<Folders>,
 }
 
 /// The designer.
@@ -117,6 +121,7 @@ pub fn run(preset: Option<PathBuf>, choice: BackendChoice) -> anyhow::Result<()>
             choice,
             make: Arc::new(backend::make),
             system_dialogs: true,
+            folders: Folders::of_user(),
         };
         Ok(Box::new(App::new(cc, setup)))
     });

@@ -1,0 +1,95 @@
+//! All file reading and writing. Every error names its file; every write is atomic.
+//!
+//! - `preset`: presets, and the images they name
+//! - `images`: charts and pictures of the surroundings
+//! - `write`: files that are whole or untouched
+
+mod images;
+mod preset;
+mod write;
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use renderer_core::design::Fault;
+use renderer_core::design::preset::{PresetFault, SetError};
+
+pub use images::{load_chart, load_environment};
+pub use preset::{image_path_from, load_design, load_design_with, save_design};
+pub use write::{check_writable, write_atomically, write_atomically_with};
+
+/// What went wrong with a file.
+#[derive(Debug, thiserror::Error)]
+pub enum FileError {
+    /// A file could not be read.
+    #[error("{}: cannot be read: {source}", .path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// A preset has faults.
+    #[error("{}", fault_lines(.path, .faults))]
+    Preset {
+        /// The file.
+        path: PathBuf,
+        /// All its faults.
+        faults: Vec<PresetFault>,
+    },
+    /// A field cannot be set to what was asked.
+    #[error("--set {0}")]
+    Set(#[from] SetError),
+    /// Fields that were set do not go together.
+    #[error("{}: with what was set, {fault}", .path.display())]
+    Together {
+        /// The preset.
+        path: PathBuf,
+        /// The first fault.
+        fault: Fault,
+    },
+    /// A preset is no text, or far too large.
+    #[error("{}: {what}", .path.display())]
+    NoPreset {
+        /// The file.
+        path: PathBuf,
+        /// What it is.
+        what: String,
+    },
+    /// A chart image cannot be used.
+    #[error("{}: chart image: {what}", .path.display())]
+    Chart {
+        /// The image.
+        path: PathBuf,
+        /// What is wrong, and what is allowed.
+        what: String,
+    },
+    /// A picture of the surroundings cannot be used.
+    #[error("{}: environment image: {what}", .path.display())]
+    Environment {
+        /// The image.
+        path: PathBuf,
+        /// What is wrong, and what is allowed.
+        what: String,
+    },
+    /// A file could not be written; the old one, if any, is untouched.
+    #[error("{}: cannot be written: {source}", .path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+}
+
+impl FileError {
+    /// Whether what the user gave is at fault, rather than the machine.
+    pub fn is_bad_input(&self) -> bool {
+        !matches!(self, Self::Write { .. })
+    }
+}
+
+fn fault_lines(path: &Path, faults: &[PresetFault]) -> String {
+    let line = |fault: &PresetFault| format!("{}:{fault}", path.display());
+    faults.iter().map(line).collect::<Vec<_>>().join("\n")
+}

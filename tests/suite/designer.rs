@@ -4,6 +4,7 @@
 //! Longer than most files because one window is driven: its panels, gestures and dialogs share one set of helpers.
 
 mod small_pictures;
+mod weave;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

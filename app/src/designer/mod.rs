@@ -46,7 +46,7 @@ pub use folders::Folders;
 pub use live_light::LiveLight;
 pub use render_thread::{Shown, Wish};
 pub use renderer::{MakeBackend, Shot};
-pub use widgets::label_of;
+pub use widgets::{Icon, label_of, shapes};
 
 use crate::backend::{self, BackendChoice};
 use crate::files::FileError;

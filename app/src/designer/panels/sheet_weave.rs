@@ -5,7 +5,8 @@ use renderer_core::design::{Back, Design, Pattern, STITCHES, Sheet};
 
 use crate::designer::style;
 use crate::designer::widgets::{
-    GridAccess, GridCell, GridEditor, GridTool, choice, grid_editor, number, row, subheading,
+    GridAccess, GridCell, GridEditor, GridTool, Icon, IconButton, choice, grid_editor, number, row,
+    subheading,
 };
 
 /// Editor of the stitch pattern.
@@ -145,10 +146,25 @@ fn brushes(ui: &mut Ui, editor: &mut GridEditor) {
 
 fn tools(ui: &mut Ui, editor: &mut GridEditor, pattern: &mut Pattern) {
     ui.horizontal(|ui| {
-        ui.selectable_value(&mut editor.tool, GridTool::Pencil, "Pencil")
-            .on_hover_text("Paints the cells under the pointer. Right click picks a value; arrows, space and digits paint by keyboard.");
-        ui.selectable_value(&mut editor.tool, GridTool::Fill, "Fill")
-            .on_hover_text("Paints all connected cells of the same value.");
+        for (tool, icon, name, what) in [
+            (
+                GridTool::Pencil,
+                Icon::Pencil,
+                "Pencil",
+                "Pencil: paints the cells under the pointer. Right click picks a value; arrows, space and digits paint by keyboard.",
+            ),
+            (
+                GridTool::Fill,
+                Icon::Fill,
+                "Fill",
+                "Fill: paints all connected cells of the same value.",
+            ),
+        ] {
+            let button = IconButton::new(icon, name, what).on(editor.tool == tool);
+            if ui.add(button).clicked() {
+                editor.tool = tool;
+            }
+        }
         ui.separator();
         let (mut cols, mut rows) = (pattern.cols(), pattern.rows());
         let side = |value| DragValue::new(value).range(1..=Pattern::MAX_SIDE).speed(0.1);

@@ -5,6 +5,7 @@ use egui::{
     Role, ScrollArea, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
 
+use super::shapes::{self, Cell, Run};
 use crate::designer::style;
 
 /// What the primary pointer button and the space bar do.
@@ -167,8 +168,9 @@ fn pointer(
     response.request_focus();
     editor.cursor = cell;
     let changed = match editor.tool {
-        GridTool::Pencil => line(editor.last.unwrap_or(cell), cell)
-            .map(|[col, row]| put(grid, col, row, editor.brush))
+        // All cells on the way, so that a fast stroke has no gaps.
+        GridTool::Pencil => shapes::line(signed(editor.last.unwrap_or(cell)), signed(cell))
+            .map(|[col, row]| put(grid, col as usize, row as usize, editor.brush))
             .fold(false, |any, one| any | one),
         // One fill a press, or a drag across the border of the filled area would fill on.
         GridTool::Fill if editor.last.is_none() => fill(grid, canvas, cell, editor.brush),
@@ -227,33 +229,23 @@ fn put(grid: &mut impl GridAccess, col: usize, row: usize, value: u8) -> bool {
     differs
 }
 
-/// The cells on the way from one to another, so that a fast stroke has no gaps.
-fn line(from: [usize; 2], to: [usize; 2]) -> impl Iterator<Item = [usize; 2]> {
-    let delta = [0, 1].map(|axis| to[axis] as f32 - from[axis] as f32);
-    let steps = delta[0].abs().max(delta[1].abs()).max(1.0) as usize;
-    (0..=steps).map(move |step| {
-        let share = step as f32 / steps as f32;
-        [0, 1].map(|axis| (from[axis] as f32 + delta[axis] * share).round() as usize)
-    })
-}
-
 fn fill(grid: &mut impl GridAccess, canvas: &Canvas, start: [usize; 2], value: u8) -> bool {
-    let old = grid.get(start[0], start[1]);
-    if old == value {
+    if grid.get(start[0], start[1]) == value {
         return false;
     }
-    let mut open = vec![start];
-    while let Some([col, row]) = open.pop() {
-        if grid.get(col, row) != old {
-            continue;
-        }
-        grid.set(col, row, value);
-        open.extend(col.checked_sub(1).map(|col| [col, row]));
-        open.extend(row.checked_sub(1).map(|row| [col, row]));
-        open.extend((col + 1 < canvas.cols).then_some([col + 1, row]));
-        open.extend((row + 1 < canvas.rows).then_some([col, row + 1]));
+    let size = [canvas.cols as i32, canvas.rows as i32];
+    let at = |[col, row]: Cell| grid.get(col as usize, row as usize);
+    for [col, row] in shapes::connected(size, signed(start), at)
+        .iter()
+        .flat_map(Run::cells)
+    {
+        grid.set(col as usize, row as usize, value);
     }
     true
+}
+
+fn signed(cell: [usize; 2]) -> Cell {
+    cell.map(|side| side as i32)
 }
 
 fn paint(

@@ -1,17 +1,22 @@
-//! Widgets that know numbers, choices, colours, grids and curves, but no towels.
+//! Widgets that know numbers, choices, colours, grids, curves and icons, but no towels.
 
 mod choice_row;
 mod curve_editor;
 mod file_browser;
 mod grid_editor;
+mod icon;
+mod icon_button;
 mod number_row;
 mod row;
+pub mod shapes;
 mod thumbnail;
 
 pub use choice_row::{Choice, check, choice, colour};
 pub use curve_editor::{CurveEditor, curve_editor};
 pub use file_browser::{Browsed, FileBrowser, FileKind};
 pub use grid_editor::{GridAccess, GridCell, GridEditor, GridTool, grid_editor};
+pub use icon::Icon;
+pub use icon_button::IconButton;
 pub use number_row::{number, number_value, optional_number};
 pub use row::{label_of, row, subheading, subheading_with};
 pub use thumbnail::{Thumbnail, show_thumbnail};

@@ -78,7 +78,7 @@ fn designer(preset: Option<PathBuf>) -> Harness<'static, App> {
 }
 
 /// A designer without system dialogs, its first frames shown.
-fn designer_of_size(preset: Option<PathBuf>, size: Vec2) -> Harness<'static, App> {
+pub(crate) fn designer_of_size(preset: Option<PathBuf>, size: Vec2) -> Harness<'static, App> {
     let mut harness = Harness::builder()
         .with_size(size)
         .with_step_dt(1.0 / 60.0)
@@ -103,7 +103,11 @@ fn designer_of_size(preset: Option<PathBuf>, size: Vec2) -> Harness<'static, App
 
 /// Shows frames until `done`; what other threads do comes after a while.
 #[track_caller]
-fn wait(harness: &mut Harness<'_, App>, what: &str, done: impl Fn(&Harness<'_, App>) -> bool) {
+pub(crate) fn wait(
+    harness: &mut Harness<'_, App>,
+    what: &str,
+    done: impl Fn(&Harness<'_, App>) -> bool,
+) {
     let start = Instant::now();
     while !done(harness) {
         assert!(
@@ -160,7 +164,7 @@ fn type_number(harness: &mut Harness<'_, App>, label: &str, text: &str) {
 }
 
 /// Middle of a cell of the stitch pattern on the screen, row 0 at the bottom.
-fn cell(harness: &Harness<'_, App>, col: usize, row: usize) -> Pos2 {
+pub(crate) fn cell(harness: &Harness<'_, App>, col: usize, row: usize) -> Pos2 {
     let rect = harness
         .get_by_role_and_label(Role::Grid, "Stitch pattern")
         .rect();

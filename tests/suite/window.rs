@@ -1,93 +1,19 @@
 //! The program itself in a real window, under a virtual display of its own: opened with a preset, driven by keys and
 //! pointer, saved, photographed, closed.
 
-use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, Pos2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use towel_designer::designer::App;
 use towel_designer::files;
 
-/// Longest wait for anything. Software Vulkan on a busy machine takes many seconds to show a first frame.
-const PATIENCE: Duration = Duration::from_secs(120);
-
-/// A process that does not outlive the test.
-struct Process(Child);
-
-impl Drop for Process {
-    fn drop(&mut self) {
-        // Ended already, as it should: then there is nothing to kill.
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
-
-/// A display that nobody sees.
-struct Display {
-    name: String,
-    _server: Process,
-}
-
-impl Display {
-    /// Starts a server on a free number, which it tells itself.
-    fn start(size: &str) -> Self {
-        let mut server = Command::new("Xvfb")
-            .args(["-displayfd", "1", "-screen", "0", size, "-nolisten", "tcp"])
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn()
-            .expect("Xvfb does not start; on Debian and Ubuntu install xvfb");
-        let mut number = String::new();
-        let stdout = server.stdout.take().expect("piped");
-        BufReader::new(stdout)
-            .read_line(&mut number)
-            .expect("Xvfb tells its display");
-        assert!(!number.trim().is_empty(), "Xvfb ended without a display");
-        Self {
-            name: format!(":{}", number.trim()),
-            _server: Process(server),
-        }
-    }
-
-    fn run(&self, program: &str, arguments: &[&str]) -> Output {
-        Command::new(program)
-            .args(arguments)
-            .env("DISPLAY", &self.name)
-            .output()
-            .unwrap_or_else(|error| {
-                panic!("{program}: {error}; on Debian and Ubuntu install xdotool and imagemagick")
-            })
-    }
-
-    fn xdotool(&self, arguments: &str) -> Output {
-        self.run("xdotool", &arguments.split(' ').collect::<Vec<_>>())
-    }
-
-    /// The window whose title contains `title`.
-    fn window(&self, title: &str) -> Option<String> {
-        let found = self.run("xdotool", &["search", "--onlyvisible", "--name", title]);
-        let text = String::from_utf8_lossy(&found.stdout).into_owned();
-        text.lines().last().map(str::to_owned)
-    }
-
-    fn photograph(&self, path: &Path) -> image::RgbImage {
-        let path_text = path.to_string_lossy();
-        let taken = self.run("import", &["-window", "root", &path_text]);
-        assert!(taken.status.success(), "import: {taken:?}");
-        image::open(path).expect("a picture").into_rgb8()
-    }
-}
-
-fn wait<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
-    let start = Instant::now();
-    loop {
-        if let Some(found) = look() {
-            return found;
-        }
-        assert!(start.elapsed() < PATIENCE, "{what} has not come");
-        std::thread::sleep(Duration::from_millis(100));
-    }
-}
+use crate::designer;
+use crate::support::display::{Display, PATIENCE, Program, wait};
+use crate::support::file_drop::drop_file;
 
 /// Share of the pixels of a part of a picture that differ from the part's first pixel.
 fn variety(picture: &image::RgbImage, [x, y, width, height]: [u32; 4]) -> f64 {
@@ -99,24 +25,11 @@ fn variety(picture: &image::RgbImage, [x, y, width, height]: [u32; 4]) -> f64 {
     different as f64 / f64::from(width * height)
 }
 
-/// Processor time that a process has used, all threads, seconds.
-fn cpu_seconds(process: u32) -> f64 {
-    let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).expect("a process");
-    // Fields behind the name, which may hold spaces: utime and stime are the 12th and 13th, in ticks of 10 ms.
-    let fields: Vec<&str> = stat
-        .rsplit(')')
-        .next()
-        .unwrap_or_default()
-        .split_whitespace()
-        .collect();
-    let ticks = |index: usize| fields[index].parse::<f64>().expect("a number");
-    (ticks(11) + ticks(12)) / 100.0
-}
-
 /// A design small and simple enough that the processor shows it at once.
 fn small_preset(folder: &Path) -> PathBuf {
     let path = folder.join("small.toml");
     let text = "format = 1\n\n[sheet]\nwarps = 24\nwefts = 24\n\n[chart]\ncolour = \"#c04040\"\n\n\
+                [view]\ncameras = [{ name = \"near\", distance = 50.0 }]\n\n\
                 [quality]\nmethod = \"single\"\nbounces = 1\nsamples = 4\n";
     std::fs::write(&path, text).expect("written");
     path
@@ -127,32 +40,14 @@ fn the_program_opens_draws_saves_and_closes() {
     let folder = tempfile::tempdir().expect("a folder");
     let preset = small_preset(folder.path());
     let display = Display::start("1280x720x24");
-    let program = Command::new(env!("CARGO_BIN_EXE_towel-designer"))
-        .arg(&preset)
-        .args(["--backend", "cpu"])
-        .current_dir(folder.path())
-        .env("DISPLAY", &display.name)
-        .env_remove("WAYLAND_DISPLAY")
-        // No desktop portal, so that the program's own file dialog opens wherever this runs.
-        .env("DBUS_SESSION_BUS_ADDRESS", "unix:path=/nonexistent")
-        .env("XDG_RUNTIME_DIR", folder.path())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the program starts");
-    let mut program = Process(program);
-    let window = wait("the window", || {
-        let ended = program.0.try_wait().expect("a status");
-        assert!(ended.is_none(), "the program ended early: {ended:?}");
-        // With the document's name: the preset is read.
-        display.window("small - Towel Designer")
-    });
-    display.xdotool(&format!("windowmove {window} 0 0"));
-    display.xdotool(&format!("windowsize {window} 1280 720"));
-    wait("the focus", || {
-        display.xdotool(&format!("windowfocus {window}"));
-        let focused = display.xdotool("getwindowfocus");
-        (String::from_utf8_lossy(&focused.stdout).trim() == window).then_some(())
-    });
+    let preset = preset.to_string_lossy();
+    let program = Program::start(
+        &display,
+        folder.path(),
+        &[&preset, "--backend", "cpu"],
+        "small - Towel Designer",
+        [1280, 720],
+    );
 
     // Panels left and right, a picture of red cloth between them.
     let shot = folder.path().join("shot.png");
@@ -168,12 +63,7 @@ fn the_program_opens_draws_saves_and_closes() {
         (panel > 0.02 && red > 1000).then_some(())
     });
 
-    // When all samples are there, nothing runs any more.
-    wait("the program's rest", || {
-        let before = cpu_seconds(program.0.id());
-        std::thread::sleep(Duration::from_secs(2));
-        (cpu_seconds(program.0.id()) - before < 0.1).then_some(())
-    });
+    program.wait_for_rest();
 
     // A cell of the pattern is painted by the keyboard: Tab reaches everything, but a click is nearer.
     // The editor's near left cell, where the layout at this size puts it.
@@ -208,7 +98,182 @@ fn the_program_opens_draws_saves_and_closes() {
         "what was painted is saved"
     );
 
-    display.xdotool("key ctrl+q");
-    let status = wait("the end", || program.0.try_wait().expect("a status"));
+    program.quit(&display);
+}
+
+/// Size of the window that the scripted run drives, pixels.
+const SIZE: [u32; 2] = [1280, 720];
+
+/// Where things are in the window: the same design in a window that is drawn nowhere and tells the places of its widgets.
+fn twin(preset: &Path) -> Harness<'static, App> {
+    let size = vec2(SIZE[0] as f32, SIZE[1] as f32);
+    let mut twin = designer::designer_of_size(Some(preset.to_path_buf()), size);
+    designer::wait(&mut twin, "the preset", |twin| {
+        twin.state().document().path().is_some()
+    });
+    twin.run_steps(20);
+    twin
+}
+
+/// Moves the pointer to `from`, holds it down, goes on to each of `to` and lets go.
+fn drag(display: &Display, from: Pos2, to: &[Pos2]) {
+    let go = |at: Pos2| {
+        display.xdotool(&format!("mousemove {} {}", at.x.round(), at.y.round()));
+        std::thread::sleep(Duration::from_millis(150));
+    };
+    go(from);
+    display.xdotool("mousedown 1");
+    to.iter().copied().for_each(go);
+    display.xdotool("mouseup 1");
+    std::thread::sleep(Duration::from_millis(150));
+}
+
+fn click(display: &Display, at: Pos2) {
+    drag(display, at, &[]);
+}
+
+/// Types into what has the keyboard, instead of what it holds.
+fn type_instead(display: &Display, text: &str) {
+    display.xdotool("key ctrl+a");
+    display.run("xdotool", &["type", "--delay", "30", text]);
+}
+
+/// Waits for a file that is read without fault.
+fn wait_for<T>(what: &str, path: &Path, read: impl Fn(&Path) -> Option<T>) -> T {
+    wait(what, || path.is_file().then(|| read(path)).flatten())
+}
+
+#[test]
+fn a_design_made_by_pointer_and_keys_is_saved_exported_and_opened_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let preset = small_preset(folder.path());
+    let chart = folder.path().join("two halves.png");
+    image::RgbImage::from_fn(24, 24, |x, _| {
+        image::Rgb(if x < 12 {
+            [30, 60, 160]
+        } else {
+            [240, 240, 230]
+        })
+    })
+    .save(&chart)
+    .expect("written");
+    let mut twin = twin(&preset);
+
+    let display = Display::start("1280x720x24");
+    let arguments = [&*preset.to_string_lossy(), "--backend", "cpu"];
+    let program = Program::start(
+        &display,
+        folder.path(),
+        &arguments,
+        "small - Towel Designer",
+        SIZE,
+    );
+    program.wait_for_rest();
+
+    // Paint a stroke of loops over the near row of the pattern.
+    let cells = [0, 1].map(|col| designer::cell(&twin, col, 0));
+    drag(&display, cells[0], &cells);
+    wait("the unsaved mark", || {
+        display.window("small\\* - Towel Designer")
+    });
+    // Set the loops closer.
+    let slider = twin.get_by_role_and_label(Role::Slider, "Warps per cm");
+    let rail = slider.rect();
+    let [from, to] = [0.25, 0.35].map(|share| rail.left_center() + vec2(share * rail.width(), 0.0));
+    drag(&display, from, &[to]);
+    // Drop a chart on the cloth.
+    let window = program.window.parse().expect("a number");
+    drop_file(&display.name, window, [700, 400], &chart, PATIENCE);
+    let shot = folder.path().join("shot.png");
+    wait("blue cloth", || {
+        let picture = display.photograph(&shot);
+        let blue = picture
+            .enumerate_pixels()
+            .filter(|(x, y, p)| {
+                (400..1050).contains(x) && (100..650).contains(y) && p[2] > 60 && p[0] < p[2] / 2
+            })
+            .count();
+        (blue > 1000).then_some(())
+    });
+
+    display.xdotool("key ctrl+s");
+    wait("the saved mark", || {
+        display.window("small - Towel Designer")
+    });
+    let saved = files::load_design(&preset).expect("a preset");
+    assert_eq!(
+        [0, 1].map(|col| saved.weave.pattern.at(col, 0)),
+        [7, 7],
+        "what was painted is saved"
+    );
+    // The default is 13.3; the rail's share 0.35 lies well above.
+    assert!(saved.sheet.warps_per_cm > 16.0, "{:?}", saved.sheet);
+    assert_eq!(saved.chart.image.as_deref(), Some("two halves.png"));
+
+    // Export what is seen.
+    display.xdotool("key ctrl+e");
+    std::thread::sleep(Duration::from_secs(1));
+    twin.key_press_modifiers(Modifiers::COMMAND, Key::E);
+    twin.run_steps(20);
+    for (field, value) in [("Export width", "96"), ("Export height", "64")] {
+        let at = twin.get_by_role_and_label(Role::SpinButton, field).rect();
+        click(&display, at.center());
+        type_instead(&display, value);
+        display.xdotool("key Return");
+    }
+    let button = twin.get_by_label("Choose file and export…").rect();
+    click(&display, button.center());
+    std::thread::sleep(Duration::from_secs(1));
+    let exported = folder.path().join("exported.png");
+    type_instead(&display, &exported.to_string_lossy());
+    display.xdotool("key Return");
+    let exported = wait_for("the exported picture", &exported, |path| {
+        image::open(path).ok().map(image::DynamicImage::into_rgb8)
+    });
+    program.wait_for_rest();
+    let before = display.photograph(&shot);
+    program.quit(&display);
+
+    // The same program without a window makes the same picture of what was saved.
+    let rendered = folder.path().join("rendered.png");
+    let status = std::process::Command::new(env!("CARGO_BIN_EXE_towel-designer"))
+        .args(["render", &preset.to_string_lossy(), "--backend", "cpu"])
+        .args(["--size", "96x64", "--quiet", "-o"])
+        .arg(&rendered)
+        .status()
+        .expect("the program starts");
     assert!(status.success(), "{status:?}");
+    let rendered = image::open(&rendered).expect("a picture").into_rgb8();
+    assert!(
+        exported == rendered,
+        "exported and rendered pictures differ: {:?}, {:?}",
+        exported.dimensions(),
+        rendered.dimensions()
+    );
+
+    // Opened again, the window shows what it showed.
+    let program = Program::start(
+        &display,
+        folder.path(),
+        &arguments,
+        "small - Towel Designer",
+        SIZE,
+    );
+    program.wait_for_rest();
+    let after = display.photograph(&shot);
+    let cloth = [400, 150, 600, 400];
+    let differing = difference(&before, &after, cloth);
+    assert!(differing < 0.01, "{differing} of the cloth's pixels differ");
+    assert!(
+        difference(&before, &image::imageops::flip_horizontal(&after), cloth) > 0.05,
+        "the comparison sees no difference where there is one"
+    );
+    program.quit(&display);
+}
+
+/// Share of the pixels of a part that differ between two pictures.
+fn difference(a: &image::RgbImage, b: &image::RgbImage, [x, y, width, height]: [u32; 4]) -> f64 {
+    let part = (y..y + height).flat_map(|y| (x..x + width).map(move |x| (x, y)));
+    let differing = part.filter(|&(x, y)| a.get_pixel(x, y) != b.get_pixel(x, y));
+    differing.count() as f64 / f64::from(width * height)
 }

@@ -3,6 +3,8 @@
 pub mod agreement;
 pub mod compare;
 pub mod device;
+pub mod display;
+pub mod file_drop;
 pub mod patches;
 pub mod probe;
 pub mod same_sample;

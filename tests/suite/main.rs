@@ -9,6 +9,7 @@ mod agreement;
 mod bench;
 mod bounced;
 mod chart;
+mod chart_edit;
 mod cli;
 mod colour;
 mod designer;

@@ -3,6 +3,7 @@
 //! [`Design`] is plain data that can be cloned, compared and written as TOML; [`preset`] reads and writes files with
 //! faults that name line and column. `scene::compile` turns a valid design into what a renderer draws.
 
+pub mod chart_edit;
 mod chart_image;
 mod colour;
 mod environment_image;
@@ -12,7 +13,7 @@ pub mod preset;
 mod sections;
 mod shape;
 
-pub use chart_image::{ChartImage, TILE};
+pub use chart_image::{ChartImage, OPAQUE_FROM, TILE, Tile};
 pub use colour::{Colour, linear_to_srgb, srgb_to_linear};
 pub use environment_image::{EnvironmentFault, EnvironmentImage, EnvironmentReader};
 pub use fields::{Fault, Field, Numbers};

@@ -15,6 +15,9 @@ pub enum ImageError {
     /// The PNG encoder failed.
     #[error("PNG: {0}")]
     Png(#[from] image::ImageError),
+    /// The PNG encoder of charts failed.
+    #[error("PNG: {0}")]
+    ChartPng(#[from] png::EncodingError),
     /// The EXR encoder failed.
     #[error("EXR: {0}")]
     Exr(#[from] exr::error::Error),

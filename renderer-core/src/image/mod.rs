@@ -1,9 +1,11 @@
 //! Linear pictures, their display, their files and their differences.
 
+mod chart_png;
 mod display;
 mod files;
 pub mod metrics;
 
+pub use chart_png::encode_chart_png;
 pub use display::Display;
 pub use files::{
     Background, Depth, ExrLayer, ImageError, encode_exr, encode_exr_channels, encode_png,

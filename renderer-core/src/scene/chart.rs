@@ -2,10 +2,7 @@
 //!
 //! Chart row 0 is the sheet's far edge (+y), while weft 0 is the near one.
 
-use crate::design::{Chart, ChartImage, Fit};
-
-/// Texels below this alpha plant nothing.
-pub const OPAQUE_FROM: u8 = 128;
+use crate::design::{Chart, ChartImage, Fit, OPAQUE_FROM};
 
 /// A chart laid over a sheet.
 #[derive(Debug, Clone, Copy)]

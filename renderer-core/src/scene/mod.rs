@@ -25,7 +25,7 @@ mod types;
 mod volumes;
 
 pub use albedo::{AlbedoTable, Dye, albedo_from_reflectance};
-pub use chart::{ChartOnSheet, OPAQUE_FROM};
+pub use chart::ChartOnSheet;
 pub use compile::{CompileError, Compiler, compile, warnings};
 pub use curve::MonotoneCurve;
 pub use frames::{

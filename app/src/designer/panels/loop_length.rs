@@ -2,9 +2,9 @@
 
 use egui::{Button, Ui};
 use renderer_core::design::{
-    ChartImage, Colour, Design, Length, LengthEntry, LengthMap, Phase, Pile, PileKind,
+    ChartImage, Colour, Design, Length, LengthEntry, LengthMap, OPAQUE_FROM, Phase, Pile, PileKind,
 };
-use renderer_core::scene::{MonotoneCurve, OPAQUE_FROM, luma};
+use renderer_core::scene::{MonotoneCurve, luma};
 
 use crate::designer::widgets::{
     Choice, CurveEditor, choice, colour, curve_editor, number, optional_number, row, subheading,

@@ -8,6 +8,7 @@
 mod agreement;
 mod bench;
 mod bounced;
+mod bundles;
 mod chart;
 mod chart_edit;
 mod cli;

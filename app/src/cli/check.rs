@@ -1,15 +1,15 @@
-//! `check`: validates presets and the images they name, and prints every fault.
+//! `check`: validates presets, bundles and pictures that carry a design, with the images they name, and prints every fault.
 
 use std::io::Write;
 use std::path::PathBuf;
 
 use super::BadArgument;
-use crate::files::load_design;
+use crate::files::open_design;
 
 /// Arguments of `check`.
 #[derive(Debug, clap::Args)]
 pub struct CheckArguments {
-    /// Presets to check.
+    /// Presets, bundles, or pictures that carry their design.
     #[arg(required = true)]
     files: Vec<PathBuf>,
 }
@@ -19,9 +19,12 @@ pub fn run(arguments: &CheckArguments) -> anyhow::Result<()> {
     let mut out = std::io::stdout().lock();
     let mut faulty = 0;
     for file in &arguments.files {
-        match load_design(file) {
-            Ok(design) => {
-                for warning in design.warnings() {
+        match open_design(file) {
+            Ok(opened) => {
+                for warning in &opened.warnings {
+                    eprintln!("warning: {warning}");
+                }
+                for warning in opened.design.warnings() {
                     eprintln!("{}: warning: {warning}", file.display());
                 }
                 writeln!(out, "{}: ok", file.display())?;

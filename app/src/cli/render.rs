@@ -4,7 +4,7 @@
 //! output. The picture is written last and at once, so that Ctrl-C leaves nothing behind.
 
 use std::ffi::OsStr;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
@@ -20,7 +20,7 @@ use renderer_core::scene;
 use super::stats::{Bytes, Seconds, Stats, scene_bytes};
 use super::{BadArgument, arguments};
 use crate::backend::{self, BackendChoice};
-use crate::files;
+use crate::files::{self, Opened};
 
 /// How long a backend works between looks at the clock.
 const SLICE: Duration = Duration::from_millis(100);
@@ -28,7 +28,7 @@ const SLICE: Duration = Duration::from_millis(100);
 /// Arguments of `render`.
 #[derive(Debug, clap::Args)]
 pub struct RenderArguments {
-    /// Preset to render.
+    /// Preset, bundle, or picture that carries its design.
     preset: PathBuf,
     /// File to write: .png as displayed, .exr linear.
     #[arg(short, long, value_name = "OUT.png|OUT.exr")]
@@ -116,18 +116,22 @@ pub fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
     let mut seconds = Seconds::default();
 
     let format = format(arguments)?;
-    let design = files::load_design_with(&arguments.preset, &arguments.set)?;
-    let camera = camera(&design, arguments)?;
+    let opened = files::open_design_with(&arguments.preset, &arguments.set)?;
+    let design = &opened.design;
+    let camera = camera(design, arguments)?;
     files::check_writable(&arguments.output)?;
     if let Some(stats) = &arguments.stats {
         files::check_writable(stats)?;
     }
     seconds.open = start.elapsed().as_secs_f64();
 
-    let scene = timed(&mut seconds.compile, || scene::compile(&design))?;
+    let scene = timed(&mut seconds.compile, || scene::compile(design))?;
     let scene = Arc::new(scene);
     if !arguments.quiet {
-        for warning in scene::warnings(&design, &scene) {
+        for warning in &opened.warnings {
+            eprintln!("warning: {warning}");
+        }
+        for warning in scene::warnings(design, &scene) {
             eprintln!("warning: {warning}");
         }
     }
@@ -138,7 +142,7 @@ pub fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
         camera,
         size: arguments.size,
         crop: arguments.crop.unwrap_or([0, 0, width, height]),
-        settings: settings(&design, arguments, &format),
+        settings: settings(design, arguments, &format),
     };
     let choice = arguments.backend.for_method(request.settings.method);
     let mut backend = timed(&mut seconds.pipelines, || backend::make(choice))?;
@@ -154,7 +158,10 @@ pub fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
     seconds.first_image = (rendering - start + first).as_secs_f64();
 
     timed(&mut seconds.write, || {
-        let file = encode(&picture, &design, &format, arguments.transparent)?;
+        let mut file = encode(&picture, design, &format, arguments.transparent)?;
+        if let Format::Png(_) = format {
+            file = with_design(file, &opened, arguments)?;
+        }
         files::write_atomically(&arguments.output, &file)?;
         anyhow::Ok(())
     })?;
@@ -366,6 +373,23 @@ impl Drop for Bar {
     fn drop(&mut self) {
         self.0.finish_and_clear();
     }
+}
+
+/// A PNG with the design it shows in it.
+fn with_design(
+    png: Vec<u8>,
+    opened: &Opened,
+    arguments: &RenderArguments,
+) -> anyhow::Result<Vec<u8>> {
+    let folder = arguments.preset.parent().unwrap_or(Path::new(""));
+    let embedded = files::embedded(&opened.design, &opened.carried, folder);
+    let embedded = embedded.map_err(anyhow::Error::msg)?;
+    if !arguments.quiet {
+        for warning in &embedded.warnings {
+            eprintln!("warning: {warning}");
+        }
+    }
+    Ok(files::insert_chunks(png, &embedded.chunks))
 }
 
 fn encode(

@@ -1,14 +1,18 @@
 //! Reading charts and pictures of the surroundings.
 
-use std::fs;
-use std::io::BufReader;
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Cursor, Seek};
 use std::path::Path;
 
-use exr::prelude::{MetaData, Vec2, read_first_rgba_layer_from_file};
-use image::{DynamicImage, ImageError, ImageFormat, ImageReader, Limits};
+use exr::prelude::{MetaData, ReadChannels, ReadLayers, Vec2, read};
+use image::codecs::png::PngEncoder;
+use image::{
+    DynamicImage, ExtendedColorType, ImageEncoder, ImageError, ImageFormat, ImageReader, Limits,
+};
 use renderer_core::design::{
     ChartImage, EnvironmentFault, EnvironmentImage, EnvironmentReader, srgb_to_linear,
 };
+use renderer_core::image::encode_exr_channels;
 
 use super::FileError;
 
@@ -24,34 +28,48 @@ const ENVIRONMENT_MEMORY: u64 =
 /// # Errors
 /// When it cannot be read, is something else or is too large.
 pub fn load_chart(path: &Path) -> Result<ChartImage, FileError> {
-    let fault = |what: String| FileError::Chart {
+    read_chart(|| Ok(BufReader::new(File::open(path)?))).map_err(|what| FileError::Chart {
         path: path.to_owned(),
         what,
-    };
-    let open = || {
-        ImageReader::open(path)
-            .and_then(ImageReader::with_guessed_format)
-            .map_err(|error| fault(format!("cannot be read: {error}")))
-    };
-    let mut reader = open()?;
+    })
+}
+
+/// As [`load_chart`], of a file's bytes; the error is the end of a sentence about it.
+pub(super) fn decode_chart(bytes: &[u8]) -> Result<ChartImage, String> {
+    read_chart(|| Ok(Cursor::new(bytes)))
+}
+
+fn read_chart<R: BufRead + Seek>(open: impl Fn() -> io::Result<R>) -> Result<ChartImage, String> {
+    let mut reader = reader_of(&open)?;
     if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg)) {
-        return Err(fault("is neither a PNG nor a JPEG file".into()));
+        return Err("is neither a PNG nor a JPEG file".into());
     }
-    let broken = |error: ImageError| fault(format!("is broken: {error}"));
-    let (width, height) = open()?.into_dimensions().map_err(broken)?;
+    let (width, height) = reader_of(&open)?.into_dimensions().map_err(broken)?;
     let most = ChartImage::MAX_SIDE;
     if width as usize > most || height as usize > most {
-        return Err(fault(format!(
+        return Err(format!(
             "has {width} x {height} pixels, allowed are at most {most} x {most}"
-        )));
+        ));
     }
     let mut limits = Limits::default();
     limits.max_alloc = Some(CHART_MEMORY);
     reader.limits(limits);
     let pixels = reader.decode().map_err(broken)?.into_rgba8();
     let pixels: Vec<[u8; 4]> = pixels.pixels().map(|pixel| pixel.0).collect();
-    ChartImage::new(width as usize, height as usize, &pixels)
-        .ok_or_else(|| fault("has no pixels".into()))
+    ChartImage::new(width as usize, height as usize, &pixels).ok_or_else(|| "has no pixels".into())
+}
+
+/// A reader that goes by the content, not by a name, which may promise what the content is not.
+fn reader_of<R: BufRead + Seek>(
+    open: &impl Fn() -> io::Result<R>,
+) -> Result<ImageReader<R>, String> {
+    open()
+        .and_then(|file| ImageReader::new(file).with_guessed_format())
+        .map_err(|error| format!("cannot be read: {error}"))
+}
+
+fn broken(error: ImageError) -> String {
+    format!("is broken: {error}")
 }
 
 /// Reads a picture of the surroundings: Radiance HDR or OpenEXR with linear light, or PNG or JPEG, taken as sRGB;
@@ -60,27 +78,29 @@ pub fn load_chart(path: &Path) -> Result<ChartImage, FileError> {
 /// # Errors
 /// When it cannot be read, is something else, has another proportion, is too large or has pixels that are no numbers.
 pub fn load_environment(path: &Path) -> Result<EnvironmentImage, FileError> {
-    read_environment(path).map_err(|what| FileError::Environment {
-        path: path.to_owned(),
-        what,
+    read_environment(|| Ok(BufReader::new(File::open(path)?))).map_err(|what| {
+        FileError::Environment {
+            path: path.to_owned(),
+            what,
+        }
     })
 }
 
-fn read_environment(path: &Path) -> Result<EnvironmentImage, String> {
-    // Without its name, which may promise what the content is not.
-    let open = || {
-        let file = fs::File::open(path);
-        file.and_then(|file| ImageReader::new(BufReader::new(file)).with_guessed_format())
-            .map_err(|error| format!("cannot be read: {error}"))
-    };
-    let broken = |error: ImageError| format!("is broken: {error}");
-    let mut reader = open()?;
+/// As [`load_environment`], of a file's bytes; the error is the end of a sentence about it.
+pub(super) fn decode_environment(bytes: &[u8]) -> Result<EnvironmentImage, String> {
+    read_environment(|| Ok(Cursor::new(bytes)))
+}
+
+fn read_environment<R: BufRead + Seek + Send>(
+    open: impl Fn() -> io::Result<R>,
+) -> Result<EnvironmentImage, String> {
+    let mut reader = reader_of(&open)?;
     match reader.format() {
-        Some(ImageFormat::OpenExr) => return read_exr_environment(path),
+        Some(ImageFormat::OpenExr) => return read_exr_environment(open),
         Some(ImageFormat::Hdr | ImageFormat::Png | ImageFormat::Jpeg) => {}
         _ => return Err("is none of .hdr, .exr, .png and .jpg".into()),
     }
-    let (width, height) = open()?.into_dimensions().map_err(broken)?;
+    let (width, height) = reader_of(&open)?.into_dimensions().map_err(broken)?;
     let told = |fault: EnvironmentFault| fault.to_string();
     let mut environment = EnvironmentReader::new(width as usize, height as usize).map_err(told)?;
     let mut limits = Limits::default();
@@ -106,10 +126,13 @@ fn read_environment(path: &Path) -> Result<EnvironmentImage, String> {
 }
 
 /// Channels R, G and B of the first layer that has them; alpha is left out.
-fn read_exr_environment(path: &Path) -> Result<EnvironmentImage, String> {
+fn read_exr_environment<R: BufRead + Seek + Send>(
+    open: impl Fn() -> io::Result<R>,
+) -> Result<EnvironmentImage, String> {
+    let open = || open().map_err(|error| format!("cannot be read: {error}"));
     let broken = |error: exr::error::Error| format!("is broken: {error}");
     // Asked first: decoding what is too large would take its time.
-    for header in MetaData::read_from_file(path, false)
+    for header in MetaData::read_from_buffered(open()?, false)
         .map_err(broken)?
         .headers
     {
@@ -118,20 +141,50 @@ fn read_exr_environment(path: &Path) -> Result<EnvironmentImage, String> {
             return Err(EnvironmentFault::Size { width, height }.to_string());
         }
     }
-    let image = read_first_rgba_layer_from_file(
-        path,
-        |Vec2(width, height), _| EnvironmentReader::new(width, height),
-        |environment, Vec2(x, y), (r, g, b, _): (f32, f32, f32, f32)| {
-            if let Ok(environment) = environment {
-                environment.add(x, y, [r, g, b]);
-            }
-        },
-    )
-    .map_err(broken)?;
+    let image = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .rgba_channels(
+            |Vec2(width, height), _| EnvironmentReader::new(width, height),
+            |environment, Vec2(x, y), (r, g, b, _): (f32, f32, f32, f32)| {
+                if let Ok(environment) = environment {
+                    environment.add(x, y, [r, g, b]);
+                }
+            },
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .from_buffered(open()?)
+        .map_err(broken)?;
     image
         .layer_data
         .channel_data
         .pixels
         .and_then(EnvironmentReader::finish)
         .map_err(|fault| fault.to_string())
+}
+
+/// A PNG of a chart, without loss; the same pixels make the same bytes.
+pub(super) fn encode_chart(chart: &ChartImage) -> Result<Vec<u8>, ImageError> {
+    let (width, height) = (chart.width(), chart.height());
+    let rows = (0..height).flat_map(|y| (0..width).map(move |x| chart.pixel(x, y)));
+    let pixels: Vec<[u8; 4]> = rows.collect();
+    let mut file = Vec::new();
+    PngEncoder::new(&mut file).write_image(
+        pixels.as_flattened(),
+        width as u32,
+        height as u32,
+        ExtendedColorType::Rgba8,
+    )?;
+    Ok(file)
+}
+
+/// An EXR of the surroundings as they are kept: what is read from it is the same light.
+pub(super) fn encode_environment(
+    environment: &EnvironmentImage,
+) -> Result<Vec<u8>, renderer_core::image::ImageError> {
+    let size = [environment.width() as u32, environment.height() as u32];
+    let channel = |c: usize| environment.pixels().iter().map(|pixel| pixel[c]).collect();
+    let channels = vec![("R", channel(0)), ("G", channel(1)), ("B", channel(2))];
+    encode_exr_channels(size, channels)
 }

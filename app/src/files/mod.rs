@@ -2,11 +2,19 @@
 //!
 //! - `preset`: presets, and the images they name
 //! - `images`: charts and pictures of the surroundings
+//! - `bundle`, `zip`: a design and its images in one file
+//! - `embedded`: designs in exported pictures
+//! - `shipped`: the presets that are part of the program
 //! - `write`: files that are whole or untouched
 
+mod bundle;
+mod carried;
+mod embedded;
 mod images;
 mod preset;
+mod shipped;
 mod write;
+mod zip;
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -14,9 +22,19 @@ use std::path::{Path, PathBuf};
 use renderer_core::design::Fault;
 use renderer_core::design::preset::{PresetFault, SetError};
 
+pub use bundle::{BUNDLE_ENDING, Packer, is_bundle, save_bundle};
+pub use carried::Carried;
+pub use embedded::{Embedded, carries_design, embedded, insert_chunks};
 pub use images::{load_chart, load_environment};
-pub use preset::{image_path_from, load_design, load_design_with, save_design};
+pub use preset::{
+    Opened, Origin, image_path_from, load_design, load_design_with, open_design, open_design_with,
+    save, save_design,
+};
+pub use shipped::Shipped;
 pub use write::{check_writable, write_atomically, write_atomically_with};
+
+/// Largest preset file, bytes; the largest stitch pattern takes less than a tenth of it.
+const LARGEST_PRESET: u64 = 16 << 20;
 
 /// What went wrong with a file.
 #[derive(Debug, thiserror::Error)]
@@ -54,6 +72,14 @@ pub enum FileError {
         /// The file.
         path: PathBuf,
         /// What it is.
+        what: String,
+    },
+    /// A bundle, or a picture that should carry one, cannot be used.
+    #[error("{}: {what}", .path.display())]
+    Bundle {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, and what is allowed.
         what: String,
     },
     /// A chart image cannot be used.

@@ -2,17 +2,43 @@
 
 use std::fs;
 use std::io;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Component, Path};
 
-use renderer_core::design::Design;
 use renderer_core::design::preset::{self, PresetFault};
+use renderer_core::design::{Design, EnvironmentKind};
 
-use super::{FileError, load_chart, load_environment, write_atomically};
+use super::bundle::{Image, PRESET, Packer, is_bundle, read_bundle, save_bundle};
+use super::embedded::{is_png, read_embedded};
+use super::images::{decode_chart, decode_environment};
+use super::{Carried, FileError, LARGEST_PRESET, load_chart, load_environment, write_atomically};
 
-/// Largest preset file, bytes; the largest stitch pattern takes less than a tenth of it.
-const LARGEST_PRESET: u64 = 16 << 20;
+/// What a design was read from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Origin {
+    /// A preset file, its images beside it.
+    Preset,
+    /// A bundle.
+    Bundle,
+    /// A picture that carries its design.
+    Picture,
+    /// The program itself.
+    Program,
+}
 
-/// Reads a preset and the images it names.
+/// A design as it was read.
+#[derive(Debug, Clone)]
+pub struct Opened {
+    /// The design.
+    pub design: Design,
+    /// Its images that lie in no folder.
+    pub carried: Carried,
+    /// What it was read from.
+    pub origin: Origin,
+    /// What could not be read but can be done without, as sentences.
+    pub warnings: Vec<String>,
+}
+
+/// Reads a preset, a bundle or a picture that carries its design, with the images it names.
 ///
 /// # Errors
 /// When any of them cannot be read or has faults; all faults of the preset are in the error.
@@ -25,53 +51,173 @@ pub fn load_design(path: &Path) -> Result<Design, FileError> {
 /// # Errors
 /// As [`load_design`], or when a field cannot be set.
 pub fn load_design_with(path: &Path, sets: &[(String, String)]) -> Result<Design, FileError> {
-    let (text, mut design) = read_preset(path)?;
-    for (field, value) in sets {
-        design = preset::set(&design, field, value)?;
-    }
-    if let Some(fault) = design.faults().into_iter().next() {
-        let path = path.to_owned();
-        return Err(FileError::Together { path, fault });
-    }
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let mut faults = Vec::new();
-    let mut failed = |field: &str, error: FileError| -> Result<(), FileError> {
-        if sets.iter().any(|(set, _)| set == field) {
-            // The preset is not to blame.
-            return Err(error);
-        }
-        let (line, column) = preset::position_of(&text, field);
-        faults.push(PresetFault {
-            line,
-            column,
-            path: field.into(),
-            message: format!("{field}: {error}"),
-        });
-        Ok(())
-    };
-    if let Some(image) = &design.chart.image {
-        match load_chart(&folder.join(image)) {
-            Ok(pixels) => design.chart.pixels = Some(pixels),
-            Err(error) => failed("chart.image", error)?,
-        }
-    }
-    if let Some(image) = &design.light.environment.image {
-        match load_environment(&folder.join(image)) {
-            Ok(pixels) => design.light.environment.pixels = Some(pixels),
-            Err(error) => failed("light.environment.image", error)?,
-        }
-    }
-    if faults.is_empty() {
-        Ok(design)
+    open_design_with(path, sets).map(|opened| opened.design)
+}
+
+/// As [`load_design`], with what else is to be known of the file.
+///
+/// # Errors
+/// As [`load_design`].
+pub fn open_design(path: &Path) -> Result<Opened, FileError> {
+    open_design_with(path, &[])
+}
+
+/// As [`load_design_with`], with what else is to be known of the file.
+///
+/// # Errors
+/// As [`load_design_with`].
+pub fn open_design_with(path: &Path, sets: &[(String, String)]) -> Result<Opened, FileError> {
+    if is_bundle(path) {
+        let unpacked = read_bundle(path)?;
+        Source::new(path, Origin::Bundle, unpacked.carried).open(&unpacked.text, sets)
+    } else if is_png(path) {
+        let unpacked = read_embedded(path)?;
+        Source::new(path, Origin::Picture, unpacked.carried).open(&unpacked.text, sets)
     } else {
-        faults.sort_by_key(|fault| (fault.line, fault.column));
-        let path = path.to_owned();
-        Err(FileError::Preset { path, faults })
+        let text = read_preset(path)?;
+        Source::new(path, Origin::Preset, Carried::default()).open(&text, sets)
     }
 }
 
-/// A preset's text and what it says.
-fn read_preset(path: &Path) -> Result<(String, Design), FileError> {
+/// Where a preset's text came from, and with it its images.
+pub(super) struct Source<'a> {
+    path: &'a Path,
+    origin: Origin,
+    carried: Carried,
+}
+
+impl<'a> Source<'a> {
+    pub(super) fn new(path: &'a Path, origin: Origin, carried: Carried) -> Self {
+        Self {
+            path,
+            origin,
+            carried,
+        }
+    }
+
+    /// Reads the text and the images it names.
+    pub(super) fn open(self, text: &str, sets: &[(String, String)]) -> Result<Opened, FileError> {
+        let told = match self.origin {
+            Origin::Bundle => self.path.join(PRESET),
+            _ => self.path.to_owned(),
+        };
+        let mut design = preset::parse(text).map_err(|faults| FileError::Preset {
+            path: told.clone(),
+            faults,
+        })?;
+        for (field, value) in sets {
+            design = preset::set(&design, field, value)?;
+        }
+        if let Some(fault) = design.faults().into_iter().next() {
+            return Err(FileError::Together { path: told, fault });
+        }
+        let mut faults = Vec::new();
+        let mut warnings = Vec::new();
+        let mut failed = |field: &str, message: String| {
+            let (line, column) = preset::position_of(text, field);
+            faults.push(PresetFault {
+                line,
+                column,
+                path: field.into(),
+                message: format!("{field}: {message}"),
+            });
+        };
+        // A file that was asked for on the command line is one, and the preset is not to blame for it.
+        let is_set = |field: &str| sets.iter().any(|(set, _)| set == field);
+        let left_out = |what: &str, why: &str| {
+            format!("{}: opened without its {what}: {why}", self.path.display())
+        };
+
+        let field = "chart.image";
+        if let Some(image) = &design.chart.image {
+            let folder = self.folder_of_images(is_set(field));
+            let read = self.read_image(image, folder, decode_chart, load_chart);
+            match read {
+                Ok(pixels) => design.chart.pixels = Some(pixels),
+                Err(ReadError::File(error)) if is_set(field) => return Err(error),
+                Err(error) if self.origin == Origin::Picture => {
+                    warnings.push(left_out("chart image", &error.to_string()));
+                    design.chart.image = None;
+                }
+                Err(error) => failed(field, error.to_string()),
+            }
+        }
+        let field = "light.environment.image";
+        if let Some(image) = &design.light.environment.image {
+            let folder = self.folder_of_images(is_set(field));
+            let read = self.read_image(image, folder, decode_environment, load_environment);
+            let environment = &mut design.light.environment;
+            match read {
+                Ok(pixels) => environment.pixels = Some(pixels),
+                Err(ReadError::File(error)) if is_set(field) => return Err(error),
+                Err(error) if self.origin == Origin::Picture => {
+                    warnings.push(left_out("image of the surroundings", &error.to_string()));
+                    environment.image = None;
+                    if environment.kind == EnvironmentKind::Image {
+                        environment.kind = EnvironmentKind::Constant;
+                    }
+                }
+                Err(error) => failed(field, error.to_string()),
+            }
+        }
+        if faults.is_empty() {
+            return Ok(Opened {
+                design,
+                carried: self.carried,
+                origin: self.origin,
+                warnings,
+            });
+        }
+        faults.sort_by_key(|fault| (fault.line, fault.column));
+        Err(FileError::Preset { path: told, faults })
+    }
+
+    /// Where paths of images start; `None` where only what is carried counts.
+    fn folder_of_images(&self, is_set: bool) -> Option<&Path> {
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        match self.origin {
+            Origin::Preset => Some(folder),
+            _ if is_set => Some(folder),
+            Origin::Bundle | Origin::Picture | Origin::Program => None,
+        }
+    }
+
+    fn read_image<T>(
+        &self,
+        image: &str,
+        folder: Option<&Path>,
+        decode: impl FnOnce(&[u8]) -> Result<T, String>,
+        load: impl FnOnce(&Path) -> Result<T, FileError>,
+    ) -> Result<T, ReadError> {
+        if let Some(folder) = folder {
+            return load(&folder.join(image)).map_err(ReadError::File);
+        }
+        if let Some(bytes) = self.carried.get(image) {
+            return decode(bytes).map_err(|what| ReadError::Carried(format!("{image} {what}")));
+        }
+        // What a picture does not take along, it names by its whole path.
+        if self.origin == Origin::Picture && Path::new(image).is_absolute() {
+            return load(Path::new(image)).map_err(ReadError::File);
+        }
+        let what = match self.origin {
+            Origin::Bundle => "the bundle does not hold it, and files outside are not read",
+            _ => "it is not there",
+        };
+        Err(ReadError::Carried(format!("{image}: {what}")))
+    }
+}
+
+/// Why an image could not be read.
+#[derive(Debug, thiserror::Error)]
+enum ReadError {
+    #[error("{0}")]
+    File(FileError),
+    #[error("{0}")]
+    Carried(String),
+}
+
+/// A preset's text.
+fn read_preset(path: &Path) -> Result<String, FileError> {
     let failed = |source| FileError::Read {
         path: path.to_owned(),
         source,
@@ -86,14 +232,26 @@ fn read_preset(path: &Path) -> Result<(String, Design), FileError> {
             "is {size} bytes large, a preset has at most {LARGEST_PRESET}"
         )));
     }
-    let text = String::from_utf8(fs::read(path).map_err(failed)?)
-        .map_err(|_| no_preset("is no preset: a preset is UTF-8 text (TOML)".into()))?;
-    match preset::parse(&text) {
-        Ok(design) => Ok((text, design)),
-        Err(faults) => Err(FileError::Preset {
-            path: path.to_owned(),
-            faults,
-        }),
+    String::from_utf8(fs::read(path).map_err(failed)?)
+        .map_err(|_| no_preset("is no preset: a preset is UTF-8 text (TOML)".into()))
+}
+
+/// Saves a design: as a bundle where `to` has the name of one, else as a preset. `from` is the file the design was read
+/// from, which its relative paths of images refer to; those of `carried` files come first.
+///
+/// # Errors
+/// When the file, or an image beside it, cannot be written.
+pub fn save(
+    design: &Design,
+    carried: &Carried,
+    to: &Path,
+    from: Option<&Path>,
+) -> Result<(), FileError> {
+    if is_bundle(to) {
+        let folder = from.and_then(Path::parent).unwrap_or(Path::new(""));
+        save_bundle(design, carried, folder, to)
+    } else {
+        save_preset(design, carried, to, from).map(drop)
     }
 }
 
@@ -103,23 +261,80 @@ fn read_preset(path: &Path) -> Result<(String, Design), FileError> {
 /// # Errors
 /// When the file cannot be written.
 pub fn save_design(design: &Design, to: &Path, from: Option<&Path>) -> Result<Design, FileError> {
-    let mut design = design.clone();
-    for image in design.image_paths_mut().into_iter().flatten() {
-        let file = match from {
-            Some(from) => from.parent().unwrap_or(Path::new("")).join(&*image),
-            None => PathBuf::from(&*image),
-        };
-        let moved = from.and_then(Path::parent) != to.parent();
-        if moved || file.is_absolute() {
-            *image = image_path_from(to, &file);
+    save_preset(design, &Carried::default(), to, from)
+}
+
+/// Writes a preset, and beside it those of its images that lie in no file or that the preset could not name: what is
+/// saved can be opened.
+fn save_preset(
+    design: &Design,
+    carried: &Carried,
+    to: &Path,
+    from: Option<&Path>,
+) -> Result<Design, FileError> {
+    let failed = |why: String| FileError::Write {
+        path: to.to_owned(),
+        source: io::Error::other(why),
+    };
+    let old_folder = from.and_then(Path::parent).unwrap_or(Path::new(""));
+    let new_folder = to.parent().unwrap_or(Path::new(""));
+    let moved = from.and_then(Path::parent) != to.parent();
+    let mut written = design.clone();
+    let has_pixels = [
+        design.chart.pixels.is_some(),
+        design.light.environment.pixels.is_some(),
+    ];
+    let mut lost = [false; 2];
+    let paths = written.image_paths_mut().into_iter();
+    for ((path, has_pixels), lost) in paths.zip(has_pixels).zip(&mut lost) {
+        let Some(path) = path else { continue };
+        let is_carried = carried.get(path).is_some();
+        let file = old_folder.join(&*path);
+        if !is_carried && (moved || file.is_absolute()) {
+            *path = image_path_from(to, &file);
+        }
+        *lost = has_pixels && (is_carried || !new_folder.join(&*path).is_file());
+    }
+    let mut packer = Packer::default();
+    if lost[0] {
+        let image = packer.chart(design, carried, old_folder).map_err(failed)?;
+        if let Some((image, _)) = image {
+            written.chart.image = Some(write_beside(to, &image)?);
         }
     }
-    let text = preset::write(&design).map_err(|error| FileError::Write {
-        path: to.to_owned(),
-        source: io::Error::other(error),
-    })?;
+    if lost[1] {
+        let image = packer.environment(design, carried, old_folder);
+        if let Some((image, _)) = image.map_err(failed)? {
+            written.light.environment.image = Some(write_beside(to, &image)?);
+        }
+    }
+    let text = preset::write(&written).map_err(|error| failed(error.to_string()))?;
     write_atomically(to, text.as_bytes())?;
-    Ok(design)
+    Ok(written)
+}
+
+/// Writes an image into the folder of a preset, under a name that no other file has; returns the name.
+fn write_beside(preset: &Path, image: &Image) -> Result<String, FileError> {
+    let name = Path::new(&image.name);
+    let stem = name.file_stem().unwrap_or(name.as_os_str());
+    let stem = stem.to_string_lossy();
+    let ending = name.extension().unwrap_or_default().to_string_lossy();
+    let mut number = 1;
+    loop {
+        let name = match number {
+            1 => image.name.clone(),
+            _ => format!("{stem}-{number}.{ending}"),
+        };
+        let file = preset.with_file_name(&name);
+        match fs::read(&file) {
+            Ok(bytes) if *bytes == *image.bytes => return Ok(name),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                write_atomically(&file, &image.bytes)?;
+                return Ok(name);
+            }
+            _ => number += 1,
+        }
+    }
 }
 
 /// The path by which a preset at `preset` names an image (relative to the working directory, or absolute):

@@ -1,0 +1,314 @@
+//! Bundles (`.towel`): a design in one file, a zip archive of `preset.toml` and the images it names.
+//!
+//! The preset is a preset as any other; its images are members of the archive and named as such, never files outside,
+//! so that a bundle looks the same everywhere and cannot reach into the machine that opens it.
+
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+
+use renderer_core::design::{ChartImage, Design, EnvironmentImage, preset};
+
+use super::images::{decode_chart, decode_environment, encode_chart, encode_environment};
+use super::zip::{self, Archive};
+use super::{Carried, FileError, LARGEST_PRESET, write_atomically};
+
+/// Ending of bundles, without the dot.
+pub const BUNDLE_ENDING: &str = "towel";
+/// The member that is the preset.
+pub(super) const PRESET: &str = "preset.toml";
+/// Largest bundle, bytes: both images as large as they may be.
+const LARGEST_BUNDLE: u64 = 1 << 30;
+/// Largest image in a bundle, unpacked, bytes: a chart of 8192 x 8192 noise takes half of it.
+const LARGEST_IMAGE: usize = 512 << 20;
+
+/// Whether a file's name is that of a bundle.
+pub fn is_bundle(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case(BUNDLE_ENDING))
+}
+
+/// A design with the files it takes along, ready to be written.
+pub(super) struct Packed {
+    text: String,
+    images: Carried,
+    /// Paths of images that were too large and are named by their files.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// An image that a design does not take along.
+pub(super) struct LeftOut {
+    /// What it is.
+    pub what: &'static str,
+    /// The file that has it; without, it is nowhere else.
+    pub file: Option<String>,
+    /// Its size, bytes.
+    pub size: usize,
+}
+
+/// The last images that were packed, so that packing a design again costs little while its images stay the same.
+#[derive(Default)]
+pub struct Packer {
+    chart: Option<(ChartImage, Image)>,
+    environment: Option<(EnvironmentImage, Image)>,
+}
+
+/// An image's file: a name that says its format, and its bytes.
+#[derive(Clone)]
+pub(super) struct Image {
+    /// Its name.
+    pub name: String,
+    /// Its content.
+    pub bytes: Arc<[u8]>,
+}
+
+impl Packer {
+    /// Packs a design whose relative image paths are names of `carried` files or start at `folder`. With `most`, images
+    /// of more bytes stay outside.
+    pub(super) fn pack(
+        &mut self,
+        design: &Design,
+        carried: &Carried,
+        folder: &Path,
+        most: Option<usize>,
+    ) -> Result<Packed, String> {
+        let mut design = design.clone();
+        let mut packed = Packed {
+            text: String::new(),
+            images: Carried::default(),
+            left_out: Vec::new(),
+        };
+        if let Some((image, found)) = self.chart(&design, carried, folder)? {
+            design.chart.image = Some(packed.take("chart image", image, &found, most));
+        }
+        if let Some((image, found)) = self.environment(&design, carried, folder)? {
+            let path = packed.take("image of the surroundings", image, &found, most);
+            design.light.environment.image = Some(path);
+        }
+        packed.text = preset::write(&design).map_err(|error| error.to_string())?;
+        Ok(packed)
+    }
+
+    /// The file of a design's chart: the one it was read from where that still has the chart's pixels, else one made of
+    /// them.
+    pub(super) fn chart(
+        &mut self,
+        design: &Design,
+        carried: &Carried,
+        folder: &Path,
+    ) -> Result<Option<(Image, Found)>, String> {
+        let Some(pixels) = &design.chart.pixels else {
+            return Ok(None);
+        };
+        let found = Found::new(design.chart.image.as_deref(), carried, folder);
+        let image = match &self.chart {
+            Some((last, image)) if last == pixels => image.clone(),
+            _ => {
+                let same = |bytes: &[u8]| decode_chart(bytes).is_ok_and(|i| i == *pixels);
+                let encode = || encode_chart(pixels).map_err(|error| error.to_string());
+                found.image("chart", "png", same, encode)?
+            }
+        };
+        self.chart = Some((pixels.clone(), image.clone()));
+        Ok(Some((image, found)))
+    }
+
+    /// As [`Self::chart`], of the picture of the surroundings.
+    pub(super) fn environment(
+        &mut self,
+        design: &Design,
+        carried: &Carried,
+        folder: &Path,
+    ) -> Result<Option<(Image, Found)>, String> {
+        let environment = &design.light.environment;
+        let Some(pixels) = &environment.pixels else {
+            return Ok(None);
+        };
+        let found = Found::new(environment.image.as_deref(), carried, folder);
+        let image = match &self.environment {
+            Some((last, image)) if last == pixels => image.clone(),
+            _ => {
+                let same = |bytes: &[u8]| decode_environment(bytes).is_ok_and(|i| i == *pixels);
+                let encode = || encode_environment(pixels).map_err(|error| error.to_string());
+                found.image("surroundings", "exr", same, encode)?
+            }
+        };
+        self.environment = Some((pixels.clone(), image.clone()));
+        Ok(Some((image, found)))
+    }
+}
+
+/// What there is of an image outside memory.
+pub(super) struct Found {
+    name: String,
+    bytes: Option<Arc<[u8]>>,
+    /// The file, if it is one that others can open too.
+    pub file: Option<String>,
+}
+
+impl Found {
+    fn new(path: Option<&str>, carried: &Carried, folder: &Path) -> Self {
+        let Some(path) = path else {
+            return Self {
+                name: String::new(),
+                bytes: None,
+                file: None,
+            };
+        };
+        let name = file_name(path).to_owned();
+        if let Some(bytes) = carried.get(path) {
+            return Self {
+                name,
+                bytes: Some(Arc::clone(bytes)),
+                file: None,
+            };
+        }
+        let file = folder.join(path);
+        let file = std::path::absolute(&file).unwrap_or(file);
+        let bytes = match fs::metadata(&file) {
+            Ok(found) if found.is_file() && found.len() <= LARGEST_IMAGE as u64 => {
+                fs::read(&file).ok()
+            }
+            _ => None,
+        };
+        Self {
+            name,
+            file: bytes.is_some().then(|| file.to_string_lossy().into_owned()),
+            bytes: bytes.map(Arc::from),
+        }
+    }
+
+    /// Its file if that has the right pixels, or else one made of them.
+    fn image(
+        &self,
+        what: &str,
+        ending: &str,
+        has_same_pixels: impl Fn(&[u8]) -> bool,
+        encode: impl Fn() -> Result<Vec<u8>, String>,
+    ) -> Result<Image, String> {
+        if let Some(bytes) = self.bytes.as_ref().filter(|bytes| has_same_pixels(bytes)) {
+            return Ok(Image {
+                name: self.name.clone(),
+                bytes: Arc::clone(bytes),
+            });
+        }
+        let stem = Path::new(&self.name).file_stem();
+        let stem = stem.map_or(what.into(), |stem| stem.to_string_lossy());
+        Ok(Image {
+            name: format!("{stem}.{ending}"),
+            bytes: encode()?.into(),
+        })
+    }
+}
+
+impl Packed {
+    /// Takes an image along, if it is not too large. Returns how the preset names it.
+    fn take(
+        &mut self,
+        what: &'static str,
+        image: Image,
+        found: &Found,
+        most: Option<usize>,
+    ) -> String {
+        if most.is_some_and(|most| image.bytes.len() > most) {
+            // A file with other pixels is not this image.
+            let is_file = found.bytes.as_ref() == Some(&image.bytes);
+            let file = found.file.clone().filter(|_| is_file);
+            self.left_out.push(LeftOut {
+                what,
+                file: file.clone(),
+                size: image.bytes.len(),
+            });
+            return file.unwrap_or(image.name);
+        }
+        let mut name = image.name;
+        while self.images.get(&name).is_some() || name == PRESET {
+            name.insert_str(0, "surroundings-");
+        }
+        self.images.insert(&name, image.bytes);
+        name
+    }
+
+    /// The bundle.
+    pub fn archive(&self) -> Result<Vec<u8>, String> {
+        let preset = (PRESET, self.text.as_bytes());
+        let images = self.images.iter().map(|(name, bytes)| (name, &**bytes));
+        zip::write(std::iter::once(preset).chain(images)).map_err(|error| error.to_string())
+    }
+}
+
+/// The last part of a path of any platform; without characters that other platforms have no file names of.
+fn file_name(path: &str) -> &str {
+    let name = path.rsplit(['/', '\\', ':']).next().unwrap_or(path);
+    if name.contains(['<', '>', '"', '|', '?', '*']) {
+        ""
+    } else {
+        name
+    }
+}
+
+/// Writes a design as a bundle; relative image paths are names of `carried` files or start at `folder`.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn save_bundle(
+    design: &Design,
+    carried: &Carried,
+    folder: &Path,
+    to: &Path,
+) -> Result<(), FileError> {
+    let packed = Packer::default().pack(design, carried, folder, None);
+    let archive = packed.and_then(|packed| packed.archive());
+    let archive = archive.map_err(|error| FileError::Write {
+        path: to.to_owned(),
+        source: std::io::Error::other(error),
+    })?;
+    write_atomically(to, &archive)
+}
+
+/// The text of a bundle's preset and the images it names.
+pub(super) struct Unpacked {
+    /// The preset.
+    pub text: String,
+    /// Images.
+    pub carried: Carried,
+}
+
+/// Reads a bundle's file.
+pub(super) fn read_bundle(path: &Path) -> Result<Unpacked, FileError> {
+    let failed = |source| FileError::Read {
+        path: path.to_owned(),
+        source,
+    };
+    let told = |what: String| FileError::Bundle {
+        path: path.to_owned(),
+        what,
+    };
+    let size = fs::metadata(path).map_err(failed)?.len();
+    if size > LARGEST_BUNDLE {
+        return Err(told(format!(
+            "is {size} bytes large, a bundle has at most {LARGEST_BUNDLE}"
+        )));
+    }
+    unpack(&fs::read(path).map_err(failed)?).map_err(told)
+}
+
+/// Unpacks the preset of an archive and those of its members that it names.
+pub(super) fn unpack(archive: &[u8]) -> Result<Unpacked, String> {
+    let archive = Archive::open(archive)?;
+    let text = archive
+        .read(PRESET, LARGEST_PRESET as usize)?
+        .ok_or_else(|| format!("is no bundle: it has no {PRESET}"))?;
+    let text =
+        String::from_utf8(text).map_err(|_| format!("is broken: its {PRESET} is no text"))?;
+    let mut carried = Carried::default();
+    // A preset with faults names no images; the faults are told by who reads the text.
+    let mut design = preset::parse(&text).unwrap_or_default();
+    for name in design.image_paths_mut().into_iter().flatten() {
+        let member = name.strip_prefix("./").unwrap_or(name);
+        if let Some(bytes) = archive.read(member, LARGEST_IMAGE)? {
+            carried.insert(member, bytes);
+        }
+    }
+    Ok(Unpacked { text, carried })
+}

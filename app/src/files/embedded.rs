@@ -1,0 +1,147 @@
+//! Designs in exported pictures: a PNG carries the bundle of the design it shows, so that it opens again.
+//!
+//! The chunk is named `toWl`: ancillary (others may skip it), private, and safe to copy (a program that changes the
+//! picture may keep it: the design stays the one that the picture was made from). Its data is a bundle as `bundle`
+//! writes it. Images of more than 4 MB are left in their files, which the preset names by their whole paths.
+
+use std::fs::File;
+use std::io::{self, BufReader, Read};
+use std::path::Path;
+
+use renderer_core::design::Design;
+
+use super::bundle::{LeftOut, Packer, Unpacked, unpack};
+use super::{Carried, FileError};
+
+/// Type of the chunk.
+const KIND: [u8; 4] = *b"toWl";
+/// What a PNG begins with.
+const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
+/// Where chunks may be inserted: behind the signature and IHDR, which has 13 bytes.
+const FIRST_CHUNK_END: usize = SIGNATURE.len() + 12 + 13;
+/// Largest image that a picture takes along, bytes.
+const LARGEST_IMAGE: usize = 4 << 20;
+/// Largest chunk that is read: two images, a preset and a little more.
+const LARGEST_CHUNK: u32 = 32 << 20;
+
+/// What an exported picture takes along.
+#[derive(Debug, Clone, Default)]
+pub struct Embedded {
+    /// Whole PNG chunks (length, type, data, checksum), to stand anywhere between IHDR and IEND, but not between IDATs.
+    pub chunks: Vec<Vec<u8>>,
+    /// What the picture does not take along, as sentences.
+    pub warnings: Vec<String>,
+}
+
+/// What a picture of `design` takes along; relative image paths are names of `carried` files or start at `folder`. The
+/// same design makes the same bytes.
+///
+/// # Errors
+/// When an image cannot be encoded.
+pub fn embedded(design: &Design, carried: &Carried, folder: &Path) -> Result<Embedded, String> {
+    let packed = Packer::default().pack(design, carried, folder, Some(LARGEST_IMAGE))?;
+    let data = packed.archive()?;
+    let length = u32::try_from(data.len()).map_err(|error| error.to_string())?;
+    let mut chunk = Vec::with_capacity(data.len() + 12);
+    chunk.extend(length.to_be_bytes());
+    chunk.extend(KIND);
+    chunk.extend(data);
+    let checksum = crc32fast::hash(&chunk[4..]);
+    chunk.extend(checksum.to_be_bytes());
+    Ok(Embedded {
+        chunks: vec![chunk],
+        warnings: packed.left_out.iter().map(LeftOut::warning).collect(),
+    })
+}
+
+impl LeftOut {
+    fn warning(&self) -> String {
+        let Self { what, file, size } = self;
+        let size = *size as f64 / f64::from(1 << 20);
+        let most = LARGEST_IMAGE >> 20;
+        match file {
+            Some(file) => format!(
+                "the {what} has {size:.1} MB, more than the {most} MB that a picture takes along: the design in the \
+                 picture opens with it only where there is {file}"
+            ),
+            None => format!(
+                "the {what} has {size:.1} MB, more than the {most} MB that a picture takes along: the design in the \
+                 picture will open without it; save a bundle to keep it"
+            ),
+        }
+    }
+}
+
+/// A PNG's bytes with chunks inserted behind its header.
+pub fn insert_chunks(mut png: Vec<u8>, chunks: &[Vec<u8>]) -> Vec<u8> {
+    if png.len() >= FIRST_CHUNK_END {
+        png.splice(FIRST_CHUNK_END..FIRST_CHUNK_END, chunks.concat());
+    }
+    png
+}
+
+/// Whether a file is a PNG that carries a design.
+pub fn carries_design(path: &Path) -> bool {
+    find_chunk(path).is_ok_and(|chunk| chunk.is_some())
+}
+
+/// Reads the design that a PNG carries.
+pub(super) fn read_embedded(path: &Path) -> Result<Unpacked, FileError> {
+    let told = |what: String| FileError::Bundle {
+        path: path.to_owned(),
+        what,
+    };
+    let chunk = find_chunk(path).map_err(|source| FileError::Read {
+        path: path.to_owned(),
+        source,
+    })?;
+    let chunk = chunk.ok_or_else(|| {
+        told(
+            "carries no design: it was not exported by this program, or another program has left the design out"
+                .into(),
+        )
+    })?;
+    unpack(&chunk).map_err(|what| told(format!("the design that it carries {what}")))
+}
+
+/// Whether a file begins as a PNG does.
+pub(super) fn is_png(path: &Path) -> bool {
+    let mut signature = [0; SIGNATURE.len()];
+    let read = File::open(path).and_then(|mut file| file.read_exact(&mut signature));
+    read.is_ok() && signature == SIGNATURE
+}
+
+/// The data of a PNG's chunk; a chunk whose checksum is wrong counts as none.
+fn find_chunk(path: &Path) -> io::Result<Option<Vec<u8>>> {
+    let mut file = BufReader::new(File::open(path)?);
+    let mut signature = [0; SIGNATURE.len()];
+    if file.read_exact(&mut signature).is_err() || signature != SIGNATURE {
+        return Ok(None);
+    }
+    loop {
+        let mut header = [0; 8];
+        match file.read_exact(&mut header) {
+            Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => return Ok(None),
+            other => other?,
+        }
+        let [l0, l1, l2, l3, kind @ ..] = header;
+        let length = u32::from_be_bytes([l0, l1, l2, l3]);
+        if kind != KIND || length > LARGEST_CHUNK {
+            file.seek_relative(i64::from(length) + 4)?;
+            continue;
+        }
+        let mut data = Vec::new();
+        (&mut file)
+            .take(u64::from(length) + 4)
+            .read_to_end(&mut data)?;
+        if data.len() < length as usize {
+            return Ok(None);
+        }
+        let checksum = data.split_off(length as usize);
+        let mut hasher = crc32fast::Hasher::new();
+        hasher.update(&KIND);
+        hasher.update(&data);
+        let is_whole = checksum == hasher.finalize().to_be_bytes();
+        return Ok(is_whole.then_some(data));
+    }
+}

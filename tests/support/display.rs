@@ -116,6 +116,12 @@ impl Program {
             // No desktop portal, so that the program's own file dialog opens wherever this runs.
             .env("DBUS_SESSION_BUS_ADDRESS", "unix:path=/nonexistent")
             .env("XDG_RUNTIME_DIR", folder)
+            // Its settings and unsaved designs are not those of who runs the tests.
+            .env("HOME", folder)
+            .env("XDG_CONFIG_HOME", folder.join("home/config"))
+            .env("XDG_CACHE_HOME", folder.join("home/cache"))
+            .env("XDG_STATE_HOME", folder.join("home/state"))
+            .env("XDG_DATA_HOME", folder.join("home/data"))
             .stderr(Stdio::piped())
             .spawn()
             .expect("the program starts");

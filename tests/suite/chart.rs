@@ -94,6 +94,57 @@ fn repeats_are_mirrored_and_dropped() {
 }
 
 #[test]
+fn a_placed_chart_lies_once_where_it_should() {
+    let colours = |chart: &Chart, [warps, wefts]: [u32; 2]| -> Vec<Vec<[u8; 3]>> {
+        let on_sheet = ChartOnSheet::new(chart, warps, wefts);
+        // From the far edge, as one looks at a picture.
+        let rows = (0..wefts as usize).rev();
+        rows.map(|j| {
+            (0..warps as usize)
+                .map(|i| on_sheet.colour(i, j).unwrap())
+                .collect()
+        })
+        .collect()
+    };
+    let mut placed = Chart {
+        colour: Colour([9, 9, 9]),
+        ..chart(numbered(3, 2), Fit::Place)
+    };
+    let (o, t) = ([9, 9, 9], |x, y| [x, y, 0]);
+    // In the middle: one warp left, one right; one weft far, one near.
+    assert_eq!(
+        colours(&placed, [5, 4]),
+        [
+            [o, o, o, o, o],
+            [o, t(0, 0), t(1, 0), t(2, 0), o],
+            [o, t(0, 1), t(1, 1), t(2, 1), o],
+            [o, o, o, o, o],
+        ]
+    );
+    (placed.offset_x, placed.offset_y) = (2, 1);
+    assert_eq!(
+        colours(&placed, [5, 4]),
+        [
+            [o, o, o, t(0, 0), t(1, 0)],
+            [o, o, o, t(0, 1), t(1, 1)],
+            [o, o, o, o, o],
+            [o, o, o, o, o],
+        ]
+    );
+    // Larger than the cloth: its middle part; far away: nothing of it.
+    (placed.offset_x, placed.offset_y) = (0, 0);
+    assert_eq!(colours(&placed, [1, 2]), [[t(1, 0)], [t(1, 1)]]);
+    placed.offset_x = -100_000;
+    assert_eq!(colours(&placed, [2, 1]), [[o, o]]);
+
+    // What is transparent shows the cloth, not its bare ground.
+    let pixels = [[1, 2, 3, 255], [4, 5, 6, 0]];
+    placed.pixels = ChartImage::new(2, 1, &pixels);
+    placed.offset_x = 0;
+    assert_eq!(colours(&placed, [4, 1]), [[o, [1, 2, 3], o, o]]);
+}
+
+#[test]
 fn transparent_texels_plant_nothing() {
     let pixels = [[9, 9, 9, 127], [9, 9, 9, 128]];
     let mut design = plain();

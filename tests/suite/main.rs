@@ -11,6 +11,7 @@ mod bounced;
 mod bundles;
 mod chart;
 mod chart_edit;
+mod chart_files;
 mod cli;
 mod colour;
 mod designer;

@@ -52,8 +52,9 @@ fn changed_by(base: &Design, edit: impl FnOnce(&mut Design)) -> Vec<&'static str
 
 /// Every number of the design: its path, a value that differs, and the sections that must change.
 fn every_number(design: &Design) -> Vec<(String, f64, &'static [&'static str])> {
-    let sections: [(&str, &dyn Numbers); 9] = [
+    let sections: [(&str, &dyn Numbers); 10] = [
         ("sheet", &design.sheet),
+        ("chart", &design.chart),
         ("length", &design.length),
         ("pile", &design.pile),
         ("turbulence", &design.turbulence),
@@ -132,6 +133,7 @@ fn choices_change_their_sections_and_no_other() {
         ("weave.back", "none", &["loops", "looks"]),
         ("chart.colour", "#803020", &["looks"]),
         ("chart.fit", "tile", &[]),
+        ("chart.fit", "place", &[]),
         ("chart.mirror_x", "true", &[]),
         ("chart.half_drop", "true", &[]),
         ("length.map", "gray", &["loops", "volumes"]),

@@ -9,15 +9,20 @@ use std::path::{Path, PathBuf};
 use renderer_core::design::Design;
 
 use super::changes;
+use crate::files::OwnChart;
 
-/// Most steps that can be undone. Designs share their charts' tiles, so a step costs little.
+/// Most steps that can be undone. Designs share their charts' tiles, so a step costs little,
 const MAX_STEPS: usize = 1000;
+/// unless each of them changes all of a large chart: then as many as fit into this many bytes, and always the last.
+const MOST_BYTES: usize = 1 << 30;
 
 /// A state to go back (or forward) to, and the name of the gesture that lies between.
 #[derive(Debug, Clone)]
 struct Step {
     name: String,
     design: Design,
+    /// What the chart before and after do not share.
+    bytes: usize,
 }
 
 /// A design with its history and its file.
@@ -28,6 +33,8 @@ pub struct Document {
     settled: Design,
     saved: Design,
     path: Option<PathBuf>,
+    /// The file of the chart that was painted here, as it was last read or written.
+    pub own_chart: Option<OwnChart>,
     undo: Vec<Step>,
     redo: Vec<Step>,
 }
@@ -50,6 +57,7 @@ impl Document {
             saved: design.clone(),
             design,
             path,
+            own_chart: None,
             undo: Vec::new(),
             redo: Vec::new(),
         }
@@ -82,18 +90,41 @@ impl Document {
     /// Makes a finished gesture a step of the history. To be called after every frame; while a gesture goes on
     /// (a pointer or key is down, text is being typed) nothing happens.
     pub fn settle(&mut self, gesture_goes_on: bool) {
-        if gesture_goes_on || self.design == self.settled {
+        if gesture_goes_on {
+            return;
+        }
+        self.share_tiles();
+        if self.design == self.settled {
             return;
         }
         let before = std::mem::replace(&mut self.settled, self.design.clone());
-        if self.undo.len() == MAX_STEPS {
-            self.undo.remove(0);
-        }
+        let bytes = before.chart.pixels.as_ref().map_or(0, |pixels| {
+            pixels.bytes_beside(self.design.chart.pixels.as_ref())
+        });
         self.undo.push(Step {
             name: changes::describe(&before, &self.design),
             design: before,
+            bytes,
         });
+        let mut total: usize = self.undo.iter().map(|step| step.bytes).sum();
+        let mut too_many = self.undo.len().saturating_sub(MAX_STEPS);
+        while total > MOST_BYTES && too_many + 1 < self.undo.len() {
+            total -= self.undo[too_many].bytes;
+            too_many += 1;
+        }
+        self.undo.drain(..too_many);
         self.redo.clear();
+    }
+
+    /// Keeps equal parts of charts in memory once: the comparisons of every frame then compare pointers.
+    fn share_tiles(&mut self) {
+        if let Some(pixels) = &mut self.design.chart.pixels {
+            for other in [&self.saved, &self.settled] {
+                if let Some(other) = &other.chart.pixels {
+                    pixels.share_with(other);
+                }
+            }
+        }
     }
 
     /// Name of the gesture that [`Self::undo`] would take back.
@@ -110,10 +141,10 @@ impl Document {
     pub fn undo(&mut self) {
         self.settle(false);
         if let Some(step) = self.undo.pop() {
-            let after = self.replace(step.design);
+            let after = self.replace(step.design.clone());
             self.redo.push(Step {
-                name: step.name,
                 design: after,
+                ..step
             });
         }
     }
@@ -122,10 +153,10 @@ impl Document {
     pub fn redo(&mut self) {
         self.settle(false);
         if let Some(step) = self.redo.pop() {
-            let before = self.replace(step.design);
+            let before = self.replace(step.design.clone());
             self.undo.push(Step {
-                name: step.name,
                 design: before,
+                ..step
             });
         }
     }

@@ -38,7 +38,7 @@ use std::sync::Arc;
 use anyhow::anyhow;
 use eframe::CreationContext;
 use egui::{CentralPanel, Context, Frame, Margin, Panel, Ui, UiBuilder, ViewportCommand};
-use renderer_core::design::{ChartImage, Design, EnvironmentImage};
+use renderer_core::design::{ChartImage, EnvironmentImage};
 
 pub use command::Command;
 pub use document::Document;
@@ -49,7 +49,7 @@ pub use renderer::{MakeBackend, Shot};
 pub use widgets::{Icon, label_of, shapes};
 
 use crate::backend::{self, BackendChoice};
-use crate::files::FileError;
+use crate::files::{FileError, Opened, OwnChart};
 use dialogs::Dialogs;
 use export::Export;
 use notices::Notices;
@@ -97,7 +97,7 @@ pub struct App {
 
 /// A file that was read on another thread.
 enum Loaded {
-    Preset(PathBuf, Result<Box<Design>, FileError>),
+    Preset(PathBuf, Result<Box<(Opened, Option<OwnChart>)>, FileError>),
     Chart(PathBuf, Result<ChartImage, FileError>),
     Environment(PathBuf, Result<EnvironmentImage, FileError>),
 }

@@ -12,7 +12,7 @@ use super::document::Document;
 use super::export::{Event, Export};
 use super::tasks::{Poll, Task};
 use super::{App, Loaded, style};
-use crate::files;
+use crate::files::{self, Carried};
 
 impl App {
     /// Looks through the design's first camera, the one a file opens with.
@@ -110,9 +110,12 @@ impl App {
             self.notices.error("Not saved", format!("{fault}. {why}"));
             return;
         }
-        match files::save_design(design, &path, self.document.path()) {
-            Ok(_) => {
+        let own_chart = self.document.own_chart.as_ref();
+        let carried = Carried::default();
+        match files::save_edited(design, &carried, &path, self.document.path(), own_chart) {
+            Ok(own_chart) => {
                 let saved = design.clone();
+                self.document.own_chart = own_chart;
                 self.notices.news("Saved", path.display().to_string());
                 self.document.mark_saved(path, saved);
                 if let Some(command) = self.after_saving.take() {
@@ -129,8 +132,8 @@ impl App {
 
     pub(super) fn load_preset(&mut self, ctx: &Context, path: PathBuf) {
         self.loading = Some(Task::start(ctx, move || {
-            let design = files::load_design(&path).map(Box::new);
-            Loaded::Preset(path, design)
+            let opened = files::open_to_edit(&path).map(Box::new);
+            Loaded::Preset(path, opened)
         }));
     }
 
@@ -157,8 +160,10 @@ impl App {
             Poll::Lost => self
                 .notices
                 .error("Not opened", "The file could not be read to its end."),
-            Poll::Ready(Loaded::Preset(path, Ok(design))) => {
-                self.document = Document::new(*design, Some(path));
+            Poll::Ready(Loaded::Preset(path, Ok(opened))) => {
+                let (opened, own_chart) = *opened;
+                self.document = Document::new(opened.design, Some(path));
+                self.document.own_chart = own_chart;
                 self.look_first();
             }
             Poll::Ready(Loaded::Preset(_, Err(error))) => {

@@ -5,14 +5,11 @@ use std::io::{self, BufRead, BufReader, Cursor, Seek};
 use std::path::Path;
 
 use exr::prelude::{MetaData, ReadChannels, ReadLayers, Vec2, read};
-use image::codecs::png::PngEncoder;
-use image::{
-    DynamicImage, ExtendedColorType, ImageEncoder, ImageError, ImageFormat, ImageReader, Limits,
-};
+use image::{DynamicImage, ImageError, ImageFormat, ImageReader, Limits};
 use renderer_core::design::{
     ChartImage, EnvironmentFault, EnvironmentImage, EnvironmentReader, srgb_to_linear,
 };
-use renderer_core::image::encode_exr_channels;
+use renderer_core::image::{encode_chart_png, encode_exr_channels};
 
 use super::FileError;
 
@@ -165,18 +162,10 @@ fn read_exr_environment<R: BufRead + Seek + Send>(
 }
 
 /// A PNG of a chart, without loss; the same pixels make the same bytes.
-pub(super) fn encode_chart(chart: &ChartImage) -> Result<Vec<u8>, ImageError> {
-    let (width, height) = (chart.width(), chart.height());
-    let rows = (0..height).flat_map(|y| (0..width).map(move |x| chart.pixel(x, y)));
-    let pixels: Vec<[u8; 4]> = rows.collect();
-    let mut file = Vec::new();
-    PngEncoder::new(&mut file).write_image(
-        pixels.as_flattened(),
-        width as u32,
-        height as u32,
-        ExtendedColorType::Rgba8,
-    )?;
-    Ok(file)
+pub(super) fn encode_chart(
+    chart: &ChartImage,
+) -> Result<Vec<u8>, renderer_core::image::ImageError> {
+    encode_chart_png(chart, &[])
 }
 
 /// An EXR of the surroundings as they are kept: what is read from it is the same light.

@@ -5,12 +5,14 @@
 //! - `bundle`, `zip`: a design and its images in one file
 //! - `embedded`: designs in exported pictures
 //! - `shipped`: the presets that are part of the program
+//! - `own_chart`: charts that were painted here
 //! - `write`: files that are whole or untouched
 
 mod bundle;
 mod carried;
 mod embedded;
 mod images;
+mod own_chart;
 mod preset;
 mod shipped;
 mod write;
@@ -26,9 +28,10 @@ pub use bundle::{BUNDLE_ENDING, Packer, is_bundle, save_bundle};
 pub use carried::Carried;
 pub use embedded::{Embedded, carries_design, embedded, insert_chunks};
 pub use images::{load_chart, load_environment};
+pub use own_chart::OwnChart;
 pub use preset::{
     Opened, Origin, image_path_from, load_design, load_design_with, open_design, open_design_with,
-    save, save_design,
+    open_to_edit, save, save_design, save_edited,
 };
 pub use shipped::Shipped;
 pub use write::{check_writable, write_atomically, write_atomically_with};

@@ -10,6 +10,7 @@ use renderer_core::design::{Design, EnvironmentKind};
 use super::bundle::{Image, PRESET, Packer, is_bundle, read_bundle, save_bundle};
 use super::embedded::{is_png, read_embedded};
 use super::images::{decode_chart, decode_environment};
+use super::own_chart::OwnChart;
 use super::{Carried, FileError, LARGEST_PRESET, load_chart, load_environment, write_atomically};
 
 /// What a design was read from.
@@ -60,6 +61,20 @@ pub fn load_design_with(path: &Path, sets: &[(String, String)]) -> Result<Design
 /// As [`load_design`].
 pub fn open_design(path: &Path) -> Result<Opened, FileError> {
     open_design_with(path, &[])
+}
+
+/// As [`open_design`], for editing: a chart that was painted here is the design's own again, without a path. Also what is
+/// known of its file, for [`save_edited`].
+///
+/// # Errors
+/// As [`load_design`].
+pub fn open_to_edit(path: &Path) -> Result<(Opened, Option<OwnChart>), FileError> {
+    let mut opened = open_design(path)?;
+    let own = match opened.origin {
+        Origin::Preset => OwnChart::take(&mut opened.design.chart, path),
+        Origin::Bundle | Origin::Picture | Origin::Program => None,
+    };
+    Ok((opened, own))
 }
 
 /// As [`load_design_with`], with what else is to be known of the file.
@@ -247,11 +262,26 @@ pub fn save(
     to: &Path,
     from: Option<&Path>,
 ) -> Result<(), FileError> {
+    save_edited(design, carried, to, from, None).map(drop)
+}
+
+/// As [`save`]. A chart that was painted here (it has pixels and no path) goes to a PNG of its own beside the preset, unless
+/// `known` says that it is there; returned is what is known of it afterwards.
+///
+/// # Errors
+/// As [`save`].
+pub fn save_edited(
+    design: &Design,
+    carried: &Carried,
+    to: &Path,
+    from: Option<&Path>,
+    known: Option<&OwnChart>,
+) -> Result<Option<OwnChart>, FileError> {
     if is_bundle(to) {
         let folder = from.and_then(Path::parent).unwrap_or(Path::new(""));
-        save_bundle(design, carried, folder, to)
+        save_bundle(design, carried, folder, to).map(|()| None)
     } else {
-        save_preset(design, carried, to, from).map(drop)
+        save_preset(design, carried, to, from, known).map(|(_, own)| own)
     }
 }
 
@@ -261,7 +291,7 @@ pub fn save(
 /// # Errors
 /// When the file cannot be written.
 pub fn save_design(design: &Design, to: &Path, from: Option<&Path>) -> Result<Design, FileError> {
-    save_preset(design, &Carried::default(), to, from)
+    save_preset(design, &Carried::default(), to, from, None).map(|(design, _)| design)
 }
 
 /// Writes a preset, and beside it those of its images that lie in no file or that the preset could not name: what is
@@ -271,7 +301,8 @@ fn save_preset(
     carried: &Carried,
     to: &Path,
     from: Option<&Path>,
-) -> Result<Design, FileError> {
+    known: Option<&OwnChart>,
+) -> Result<(Design, Option<OwnChart>), FileError> {
     let failed = |why: String| FileError::Write {
         path: to.to_owned(),
         source: io::Error::other(why),
@@ -308,9 +339,19 @@ fn save_preset(
             written.light.environment.image = Some(write_beside(to, &image)?);
         }
     }
+    let own = OwnChart::prepare(design, to, known)?;
+    if let Some(own) = &own {
+        written.chart.image = Some(own.name());
+    }
     let text = preset::write(&written).map_err(|error| failed(error.to_string()))?;
-    write_atomically(to, text.as_bytes())?;
-    Ok(written)
+    let own = match own {
+        None => {
+            write_atomically(to, text.as_bytes())?;
+            None
+        }
+        Some(own) => own.write_with(to, text.as_bytes())?,
+    };
+    Ok((written, own))
 }
 
 /// Writes an image into the folder of a preset, under a name that no other file has; returns the name.

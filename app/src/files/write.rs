@@ -44,6 +44,40 @@ fn replace(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) ->
     sync_folder(&target)
 }
 
+/// Writes several files: all of them reach the disk before the first replaces its old one, so that a full disk leaves all
+/// as they were.
+///
+/// # Errors
+/// When a directory or the disk refuses.
+pub fn write_together(files: &[(&Path, &[u8])]) -> Result<(), FileError> {
+    let mut written = Vec::new();
+    for &(path, bytes) in files {
+        let failed = |source| FileError::Write {
+            path: path.to_owned(),
+            source,
+        };
+        let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        if target.is_dir() {
+            return Err(failed(io::Error::other("is a directory")));
+        }
+        let mut file = temporary_beside(&target).map_err(failed)?;
+        file.write_all(bytes)
+            .and_then(|()| file.as_file().sync_all())
+            .map_err(failed)?;
+        written.push((path, target, file));
+    }
+    for (path, target, file) in written {
+        file.persist(&target)
+            .map_err(|error| error.error)
+            .and_then(|_| sync_folder(&target))
+            .map_err(|source| FileError::Write {
+                path: path.to_owned(),
+                source,
+            })?;
+    }
+    Ok(())
+}
+
 /// Whether `path` could be written now, without changing it: asked before minutes of rendering.
 ///
 /// # Errors

@@ -88,6 +88,9 @@ impl IsInteger for f64 {
 impl IsInteger for u32 {
     const INTEGER: bool = true;
 }
+impl IsInteger for i32 {
+    const INTEGER: bool = true;
+}
 
 /// Declares a section: its struct, its defaults, its field table and its range check.
 ///

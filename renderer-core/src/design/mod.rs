@@ -95,6 +95,7 @@ impl Design {
         let mut faults = Vec::new();
         self.sheet.push_range_faults("sheet", &mut faults);
         self.weave.pattern.push_faults("weave.pattern", &mut faults);
+        self.chart.push_range_faults("chart", &mut faults);
         self.length.push_faults(&mut faults);
         self.pile.push_range_faults("pile", &mut faults);
         self.turbulence.push_range_faults("turbulence", &mut faults);

@@ -134,15 +134,23 @@ choice! {
     Fit {
         /// The chart covers the whole sheet once.
         Stretch = "stretch",
-        /// One pixel is one loop; the chart repeats.
+        /// One pixel is one crossing; the chart repeats.
         Tile = "tile",
+        /// One pixel is one crossing; the chart lies on the cloth once. Around it, and where it is transparent, the cloth
+        /// has its own colour.
+        Place = "place once",
     }
 }
 
 section! {
     /// The chart image: colour of each loop (and through [`Length`] its length and material).
     Chart, ChartFields {
-        numbers {}
+        numbers {
+            /// When placed: how many warps the chart's middle lies right of the cloth's.
+            offset_x: i32 = 0, -100_000..=100_000, "warps";
+            /// When placed: how many wefts the chart's middle lies beyond the cloth's, away from the near edge.
+            offset_y: i32 = 0, -100_000..=100_000, "wefts";
+        }
         others {
             /// Path of the image, relative to the preset; no image means one colour.
             #[serde(skip_serializing_if = "Option::is_none")]
@@ -155,7 +163,7 @@ section! {
             mirror_y: bool = false;
             /// When tiling: every second column of repeats is shifted by half a repeat.
             half_drop: bool = false;
-            /// Colour of all loops where there is no image: what the finished cloth reflects.
+            /// Colour of all loops where there is no image, also around one that is placed: what the finished cloth reflects.
             colour: Colour = Colour::WHITE;
             /// The decoded image; read and written by the program's file layer, never by serde.
             #[serde(skip)]

@@ -1,13 +1,14 @@
 //! A chart as the bytes of a PNG file: of up to 256 colours with a palette, as small and quick as charts of yarns are.
 
 use std::collections::HashMap;
+use std::io::{BufRead, Seek};
 
-use png::{BitDepth, ColorType, Compression, DeflateCompression, Encoder, Filter};
+use png::{BitDepth, ColorType, Compression, Decoder, DeflateCompression, Encoder, Filter};
 
 use super::ImageError;
 use crate::design::{ChartImage, TILE};
 
-/// A PNG of a chart, pixel for pixel, with texts (keyword and value, both Latin-1) for those who read it again.
+/// A PNG of a chart, pixel for pixel, with texts (keyword, in Latin letters, and value) for [`png_text`].
 ///
 /// # Errors
 /// When the encoder refuses.
@@ -15,7 +16,7 @@ pub fn encode_chart_png(chart: &ChartImage, texts: &[(&str, &str)]) -> Result<Ve
     let mut file = Vec::new();
     let mut encoder = Encoder::new(&mut file, chart.width() as u32, chart.height() as u32);
     for (keyword, value) in texts {
-        encoder.add_text_chunk((*keyword).into(), (*value).into())?;
+        encoder.add_itxt_chunk((*keyword).into(), (*value).into())?;
     }
     let palette = palette(chart);
     let bytes = if let Some(palette) = &palette {
@@ -63,6 +64,14 @@ pub fn encode_chart_png(chart: &ChartImage, texts: &[(&str, &str)]) -> Result<Ve
     writer.write_image_data(&bytes)?;
     writer.finish()?;
     Ok(file)
+}
+
+/// The text with this keyword that stands before the pixels of a PNG; `None` if there is none, or no PNG.
+pub fn png_text(file: impl BufRead + Seek, keyword: &str) -> Option<String> {
+    let reader = Decoder::new(file).read_info().ok()?;
+    let mut texts = reader.info().utf8_text.iter();
+    let text = texts.find(|text| text.keyword == keyword)?;
+    text.get_text().ok()
 }
 
 /// Row by row, what of each row lies in each tile: the tile, the row in it, and how many of its pixels lie in the image.

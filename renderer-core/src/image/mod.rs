@@ -5,7 +5,7 @@ mod display;
 mod files;
 pub mod metrics;
 
-pub use chart_png::encode_chart_png;
+pub use chart_png::{encode_chart_png, png_text};
 pub use display::Display;
 pub use files::{
     Background, Depth, ExrLayer, ImageError, encode_exr, encode_exr_channels, encode_png,

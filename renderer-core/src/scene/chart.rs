@@ -25,9 +25,14 @@ impl<'a> ChartOnSheet<'a> {
         let Some(image) = &self.chart.pixels else {
             return Some(self.chart.colour.0);
         };
-        let [x, y] = self.texel(image, i, j);
-        let [r, g, b, alpha] = image.pixel(x, y);
-        (alpha >= OPAQUE_FROM).then_some([r, g, b])
+        let around = || (self.chart.fit == Fit::Place).then_some(self.chart.colour.0);
+        let Some([x, y]) = self.texel(image, i, j) else {
+            return around();
+        };
+        match image.pixel(x, y) {
+            [r, g, b, alpha] if alpha >= OPAQUE_FROM => Some([r, g, b]),
+            _ => around(),
+        }
     }
 
     /// Whether all cells have the same colour, whatever the image.
@@ -35,16 +40,16 @@ impl<'a> ChartOnSheet<'a> {
         self.chart.pixels.is_none()
     }
 
-    /// Column and row (from the top) of the texel of cell (i, j).
-    fn texel(&self, image: &ChartImage, i: usize, j: usize) -> [usize; 2] {
+    /// Column and row (from the top) of the texel of cell (i, j); `None` beside a chart that is placed.
+    pub fn texel(&self, image: &ChartImage, i: usize, j: usize) -> Option<[usize; 2]> {
         let [warps, wefts] = self.cells;
         let (width, height) = (image.width(), image.height());
         match self.chart.fit {
             // The texel that holds ((i+½)/warps, 1 − (j+½)/wefts), in whole numbers.
-            Fit::Stretch => [
+            Fit::Stretch => Some([
                 (2 * i + 1) * width / (2 * warps),
                 (2 * (wefts - j) - 1) * height / (2 * wefts),
-            ],
+            ]),
             Fit::Tile => {
                 let (column, x) = (i / width, i % width);
                 let drop = if self.chart.half_drop && column % 2 == 1 {
@@ -62,11 +67,27 @@ impl<'a> ChartOnSheet<'a> {
                         at
                     }
                 };
-                [
+                Some([
                     mirrored(self.chart.mirror_x, column, x, width),
                     mirrored(self.chart.mirror_y, repeat, y, height),
-                ]
+                ])
+            }
+            Fit::Place => {
+                let [left, top] = placed_corner(self.chart, image, self.cells);
+                let x = usize::try_from(i as i64 - left).ok()?;
+                let y = usize::try_from((wefts - 1 - j) as i64 - top).ok()?;
+                (x < width && y < height).then_some([x, y])
             }
         }
     }
+}
+
+/// Where the upper left texel of a chart that is placed lies: warps from the left, wefts from the far edge.
+fn placed_corner(chart: &Chart, image: &ChartImage, cells: [usize; 2]) -> [i64; 2] {
+    // Of sides that cannot be halved, the larger half lies left and near.
+    let middle = |cells: usize, side: usize| (cells as i64 - side as i64).div_euclid(2);
+    [
+        middle(cells[0], image.width()) + i64::from(chart.offset_x),
+        middle(cells[1], image.height()) - i64::from(chart.offset_y),
+    ]
 }

@@ -1,4 +1,4 @@
-//! Painting: strokes, rectangles and fills, made of parts of rows. What lies outside the chart is left out.
+//! Painting with a brush: strokes and outlines, made of parts of rows. What lies outside the chart is left out.
 
 use crate::design::ChartImage;
 
@@ -41,40 +41,6 @@ pub fn outline_rectangle(
         ([a[0], b[1]], a),
     ] {
         draw_line(image, from, to, size, colour);
-    }
-}
-
-/// Gives all pixels that are connected with (x, y) and have its colour another one.
-pub fn fill(image: &mut ChartImage, x: usize, y: usize, colour: [u8; 4]) {
-    if x >= image.width() || y >= image.height() {
-        return;
-    }
-    let old = image.pixel(x, y);
-    if old == colour {
-        return;
-    }
-    let mut open = vec![(x, y)];
-    while let Some((x, y)) = open.pop() {
-        if image.pixel(x, y) != old {
-            continue;
-        }
-        let left = (0..x).rev().take_while(|&x| image.pixel(x, y) == old);
-        let left = left.last().unwrap_or(x);
-        let right = (x..image.width()).take_while(|&x| image.pixel(x, y) == old);
-        let right = right.last().unwrap_or(x);
-        image.fill_row(y, left..right + 1, colour);
-        let above = y.checked_sub(1);
-        let below = Some(y + 1).filter(|&y| y < image.height());
-        for y in [above, below].into_iter().flatten() {
-            let mut was_old = false;
-            for x in left..=right {
-                let is_old = image.pixel(x, y) == old;
-                if is_old && !was_old {
-                    open.push((x, y));
-                }
-                was_old = is_old;
-            }
-        }
     }
 }
 

@@ -8,7 +8,7 @@ use renderer_core::design::{
     Colour, Design, EnvironmentImage, EnvironmentKind, EnvironmentReader, LengthMap, Method, Phase,
     SkeletonHeight, ToneMap,
 };
-use renderer_core::gpu::{GpuBackend, GpuContext};
+use renderer_core::gpu::{DeviceWatch, GpuBackend, GpuContext};
 use renderer_core::image::{Display, Picture};
 use renderer_core::render::{Backend, RenderError, RenderRequest};
 
@@ -86,7 +86,45 @@ fn lesser_device(lower: impl FnOnce(&mut wgpu::Limits)) -> GpuContext {
         ..Default::default()
     }))
     .expect("less than the adapter has");
-    GpuContext::from_device(device, queue, adapter.get_info()).unwrap()
+    let watch = DeviceWatch::new(&device);
+    GpuContext::from_device(device, queue, adapter.get_info(), watch).unwrap()
+}
+
+#[test]
+fn a_lost_device_is_an_error_wherever_it_is_used() {
+    let request = request(&small_towel(), [64, 64]);
+    let never = AtomicBool::new(false);
+    let is_lost = |error: RenderError| {
+        // Told as lost as soon as the device itself has told; until then as what failed.
+        matches!(error, RenderError::Lost(_) | RenderError::Device(_))
+    };
+    let begun = || {
+        let context = lesser_device(|_| {});
+        let mut backend = GpuBackend::new(context.clone()).unwrap();
+        backend.begin(&request).unwrap();
+        backend.advance(Duration::ZERO, &never).unwrap();
+        context.device.destroy();
+        (context, backend)
+    };
+    let (context, mut backend) = begun();
+    assert!(is_lost(backend.advance(Duration::MAX, &never).unwrap_err()));
+    assert!(is_lost(
+        backend.begin(&request).and(backend.picture()).unwrap_err()
+    ));
+    context.device.poll(wgpu::PollType::Poll).unwrap();
+    assert!(context.watch.lost().is_some());
+    assert!(matches!(
+        backend.advance(Duration::MAX, &never),
+        Err(RenderError::Lost(_))
+    ));
+    let (_, mut backend) = begun();
+    assert!(is_lost(backend.picture().unwrap_err()));
+    let (_, mut backend) = begun();
+    let display = Display {
+        exposure: 0.0,
+        tone_map: ToneMap::None,
+    };
+    assert!(is_lost(backend.show(display).map(|_| ()).unwrap_err()));
 }
 
 #[test]

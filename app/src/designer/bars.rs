@@ -98,7 +98,7 @@ fn view_menu(ui: &mut Ui, document: &Document, viewport: &Viewport, commands: &m
         cameras(ui, &document.design.view.cameras, commands);
     });
     ui.menu_button("Backend", |ui| {
-        backends(ui, viewport.choice, commands);
+        backends(ui, viewport.choice(), commands);
     });
     ui.menu_button("Light in the viewport", |ui| {
         live_lights(ui, viewport.light, commands);
@@ -265,13 +265,13 @@ pub fn status(ui: &mut Ui, viewport: &Viewport, commands: &mut Vec<Command>) {
         |ui| {
             let name = match &shown.device {
                 Some((kind, device)) => format!("{}: {}", kind.name(), short(device, 44)),
-                None => backend_name(viewport.choice).into(),
+                None => backend_name(viewport.choice()).into(),
             };
-            let button = ui.menu_button(name, |ui| backends(ui, viewport.choice, commands));
+            let button = ui.menu_button(name, |ui| backends(ui, viewport.choice(), commands));
             let device = shown.device.as_ref().map_or("", |(_, device)| device);
             let tooltip = format!(
                 "{device}\nChosen: {}. Click to render with another backend.",
-                backend_name(viewport.choice)
+                backend_name(viewport.choice())
             );
             button
                 .response
@@ -297,8 +297,7 @@ fn left_of_status(ui: &mut Ui, viewport: &Viewport, shown: &Shown) {
     if counts.dropped > 0 {
         parts.push(format!("{} dropped", counts.dropped));
     }
-    let [width, height] = viewport.size();
-    parts.push(format!("{width} × {height} px"));
+    parts.push(size_text(viewport.size(), shown.size));
     parts.push(format!("{:.1} MB", shown.device_bytes as f64 / 1e6));
     parts.retain(|part| !part.is_empty());
     ui.label(RichText::new(parts.join("   ·   ")).weak());
@@ -309,6 +308,16 @@ fn left_of_status(ui: &mut Ui, viewport: &Viewport, shown: &Shown) {
         ui.colored_label(ui.visuals().warn_fg_color, text)
             .on_hover_text(shown.warnings.join("\n"));
     }
+}
+
+/// Size of the picture, and of the smaller one that is enlarged to it where the backend cannot draw it whole.
+fn size_text([width, height]: [u32; 2], drawn: [u32; 2]) -> String {
+    let is_smaller = drawn[0] > 0 && drawn[0].max(drawn[1]) < width.max(height);
+    if is_smaller {
+        let [width, height] = drawn;
+        return format!("{width} × {height} px, enlarged: more is beyond the GPU");
+    }
+    format!("{width} × {height} px")
 }
 
 /// At most `most` characters, with an ellipsis where some are left out.

@@ -31,6 +31,7 @@ mod tasks;
 mod viewport;
 mod widgets;
 mod work;
+mod workers;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -264,11 +265,24 @@ impl App {
                 let text = format!("{fault}. The picture shows the last state without faults.");
                 notices::show_standing(ui, "The design has a fault", &text);
             }
-            if let Some(error) = &self.viewport.shown().error {
+            let shown = self.viewport.shown();
+            if let Some(error) = &shown.error {
                 notices::show_standing(ui, "Not rendered", error);
+            }
+            if let Some(why) = &shown.instead {
+                notices::show_standing(ui, "Rendered by the processor", why);
             }
             self.notices.show(ui);
         });
+    }
+}
+
+impl App {
+    /// Takes what the render thread has to show and to tell.
+    fn take_pictures(&mut self, ctx: &Context) {
+        if let Some(news) = self.viewport.take_news(ctx) {
+            self.notices.error("The GPU stopped", news);
+        }
     }
 }
 
@@ -276,7 +290,7 @@ impl eframe::App for App {
     fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
         let ctx = ui.ctx().clone();
         self.close_requested(&ctx);
-        self.viewport.take_news(&ctx);
+        self.take_pictures(&ctx);
         self.small_pictures
             .give_way(self.viewport.shown().is_busy());
         self.take_loaded();

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use egui::{Color32, ColorImage};
-use renderer_core::gpu::{GpuBackend, GpuContext};
+use renderer_core::gpu::{DeviceWatch, GpuBackend, GpuContext};
 use renderer_core::image::{Display, Picture};
 use renderer_core::render::{Backend, RenderError};
 
@@ -36,12 +36,19 @@ pub enum Shot {
 }
 
 /// What makes renderers for a window: the GPU on the window's own device if that can compute, others with `make`.
-pub fn for_window(make: MakeBackend, window: Option<egui_wgpu::RenderState>) -> MakeRenderer {
-    let context = window.and_then(|state| {
-        GpuContext::from_device(state.device, state.queue, state.adapter.get_info()).ok()
+pub fn for_window(
+    make: MakeBackend,
+    window: Option<(egui_wgpu::RenderState, DeviceWatch)>,
+) -> MakeRenderer {
+    let context = window.and_then(|(state, watch)| {
+        GpuContext::from_device(state.device, state.queue, state.adapter.get_info(), watch).ok()
     });
     Arc::new(move |choice| {
-        let within = context.as_ref().filter(|context| match choice {
+        // A lost device is lost for good; until the window has a new one, a device apart may do.
+        let usable = context
+            .as_ref()
+            .filter(|context| context.watch.lost().is_none());
+        let within = usable.filter(|context| match choice {
             BackendChoice::Auto => !context.is_software(),
             BackendChoice::Gpu => true,
             BackendChoice::Cpu | BackendChoice::Reference => false,

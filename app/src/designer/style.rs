@@ -184,6 +184,9 @@ fn visuals(palette: &Palette, base: Visuals) -> Visuals {
         expansion: 0.0,
     };
     let [rest, over, pressed] = palette.button;
+    let mut text_cursor = base.text_cursor;
+    // A blinking cursor would draw the whole window twice a second for ever.
+    text_cursor.blink = false;
     let shadow = Shadow {
         offset: [0, 4],
         blur: 14,
@@ -219,6 +222,7 @@ fn visuals(palette: &Palette, base: Visuals) -> Visuals {
         panel_fill: palette.panel,
         slider_trailing_fill: true,
         indent_has_left_vline: false,
+        text_cursor,
         ..base
     }
 }

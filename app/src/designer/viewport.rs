@@ -10,6 +10,7 @@ use egui::{
 };
 use glam::DVec2;
 use renderer_core::design::{CameraDesign, Design};
+use renderer_core::gpu::DeviceWatch;
 use renderer_core::image::Display;
 use renderer_core::render::MAX_SIDE;
 
@@ -33,12 +34,14 @@ const ZOOM_PER_KEY: f64 = 1.2;
 pub struct Viewport {
     /// Where the cloth is seen from.
     pub camera: CameraDesign,
-    /// Which backend renders.
-    pub choice: BackendChoice,
     /// Which light.
     pub light: LiveLight,
     thread: RenderThread,
     window: Option<egui_wgpu::RenderState>,
+    watch: Option<DeviceWatch>,
+    choice: BackendChoice,
+    /// How often the backend was chosen.
+    attempt: u32,
     shown: Shown,
     texture: Option<Texture>,
     texture_version: u64,
@@ -50,13 +53,19 @@ impl Viewport {
     /// A viewport that renders with what `make` makes of `choice`, or on the window's own device.
     pub fn new(make: MakeBackend, choice: BackendChoice, cc: &CreationContext<'_>) -> Self {
         let window = cc.wgpu_render_state.clone();
-        let make = for_window(make, window.clone());
+        let watch = window.as_ref().map(|window| {
+            let repaint = cc.egui_ctx.clone();
+            DeviceWatch::with_alarm(&window.device, move || repaint.request_repaint())
+        });
+        let make = for_window(make, window.clone().zip(watch.clone()));
         Self {
             camera: CameraDesign::default(),
-            choice,
             light: LiveLight::default(),
             thread: RenderThread::new(make, cc.egui_ctx.clone()),
             window,
+            watch,
+            choice,
+            attempt: 0,
             shown: Shown::default(),
             texture: None,
             texture_version: 0,
@@ -69,6 +78,22 @@ impl Viewport {
     /// What was last asked of the render thread.
     pub fn wish(&self) -> Option<&Wish> {
         self.wish.as_ref()
+    }
+
+    /// Which backend is chosen.
+    pub fn choice(&self) -> BackendChoice {
+        self.choice
+    }
+
+    /// Renders with this backend; tries it again if it had failed.
+    pub fn choose(&mut self, choice: BackendChoice) {
+        self.choice = choice;
+        self.attempt += 1;
+    }
+
+    /// The watch over the window's own device, if there is one.
+    pub fn watch(&self) -> Option<&DeviceWatch> {
+        self.watch.as_ref()
     }
 
     /// State of the picture.
@@ -96,7 +121,9 @@ impl Viewport {
     pub fn show(&mut self, ui: &mut Ui, design: &Design, is_valid: bool) -> Response {
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         let pixels = rect.size() * ui.pixels_per_point();
-        self.size = [pixels.x, pixels.y].map(|side| (side.round() as u32).clamp(1, MAX_SIDE));
+        let limit = ui.input(|i| i.max_texture_side);
+        let limit = MAX_SIDE.min(u32::try_from(limit).unwrap_or(MAX_SIDE));
+        self.size = fitted([pixels.x, pixels.y], limit);
         let picture = Area {
             rect,
             size: self.size,
@@ -123,6 +150,7 @@ impl Viewport {
             size: self.size,
             display: Display::from(&design.view),
             choice: self.choice,
+            attempt: self.attempt,
             light: self.light,
         };
         if self.wish.as_ref() == Some(&wish) {
@@ -132,25 +160,38 @@ impl Viewport {
             let mut design = Design::clone(&last.design);
             design.view = wish.design.view.clone();
             design == *wish.design
-                && (&last.camera, last.size, last.choice, last.light)
-                    == (&wish.camera, wish.size, wish.choice, wish.light)
+                && (
+                    &last.camera,
+                    last.size,
+                    last.choice,
+                    last.attempt,
+                    last.light,
+                ) == (
+                    &wish.camera,
+                    wish.size,
+                    wish.choice,
+                    wish.attempt,
+                    wish.light,
+                )
         });
         self.thread.send(wish.clone(), same_picture);
         self.wish = Some(wish);
     }
 
-    /// Takes what the render thread has to show. Before anything is laid out, so that a frame shows one state.
-    pub fn take_news(&mut self, ctx: &egui::Context) {
+    /// Takes what the render thread has to show, and returns what it has to tell. Before anything is laid out, so that a
+    /// frame shows one state.
+    pub fn take_news(&mut self, ctx: &egui::Context) -> Option<String> {
+        let told = self.shown.news.0;
         self.shown = self.thread.shown();
-        if self.shown.version == self.texture_version {
-            return;
+        if self.shown.version != self.texture_version {
+            self.texture_version = self.shown.version;
+            if let Some(shot) = &self.shown.image {
+                let old = self.texture.take();
+                self.texture = Texture::of(shot, old, ctx, self.window.as_ref());
+            }
         }
-        self.texture_version = self.shown.version;
-        let Some(shot) = &self.shown.image else {
-            return;
-        };
-        let old = self.texture.take();
-        self.texture = Texture::of(shot, old, ctx, self.window.as_ref());
+        let (count, news) = &self.shown.news;
+        (*count != told).then(|| news.clone())
     }
 
     fn pointer(&mut self, ui: &Ui, response: &Response, picture: &Area) {
@@ -240,6 +281,12 @@ impl Viewport {
         }
         note(&painter, rect, &progress_text(&self.shown));
     }
+}
+
+/// Whole pixels, as many as fit into `limit` on the longer side.
+fn fitted([width, height]: [f32; 2], limit: u32) -> [u32; 2] {
+    let scale = (limit as f32 / width.max(height)).min(1.0);
+    [width, height].map(|side| ((side * scale).round() as u32).clamp(1, limit))
 }
 
 /// The picture as egui draws it.

@@ -59,7 +59,7 @@ impl App {
                 self.viewport.look_standard(view, design);
             }
             Command::Fit => self.viewport.fit(&self.document.design),
-            Command::Backend(choice) => self.viewport.choice = choice,
+            Command::Backend(choice) => self.viewport.choose(choice),
             Command::LiveLight(light) => self.viewport.light = light,
             Command::Help => self.help_is_open = !self.help_is_open,
         }

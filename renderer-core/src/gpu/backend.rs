@@ -6,7 +6,9 @@ use std::time::{Duration, Instant};
 use crate::design::{Method, ToneMap};
 use crate::image::{Display, Picture};
 use crate::render::progressive::{FEWEST_FOR_ERROR, check_size};
-use crate::render::{Backend, BackendKind, Counters, Progress, RenderError, RenderRequest};
+use crate::render::{
+    Backend, BackendKind, Counters, MAX_SIDE, Progress, RenderError, RenderRequest,
+};
 
 use super::GpuContext;
 use super::accumulation::Accumulation;
@@ -322,6 +324,10 @@ impl Backend for GpuBackend {
 
     fn pipeline_time(&self) -> Duration {
         self.pipeline_time
+    }
+
+    fn largest_side(&self) -> u32 {
+        self.context.limits.max_texture_dimension_2d.min(MAX_SIDE)
     }
 
     fn device_bytes(&self) -> u64 {

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::DeviceWatch;
 use crate::render::RenderError;
 
 /// Device, queue and what is known of their adapter. Clones share them.
@@ -15,6 +16,8 @@ pub struct GpuContext {
     pub info: Arc<wgpu::AdapterInfo>,
     /// What the device allows.
     pub limits: Arc<wgpu::Limits>,
+    /// Whether the device is lost.
+    pub watch: DeviceWatch,
 }
 
 /// Storage buffers that the tracing pass reads and writes.
@@ -36,10 +39,12 @@ impl GpuContext {
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
             .map_err(|error| RenderError::NoAdapter(error.to_string()))?;
-        Self::from_device(device, queue, adapter.get_info())
+        let watch = DeviceWatch::new(&device);
+        Self::from_device(device, queue, adapter.get_info(), watch)
     }
 
-    /// Uses a device that is there already. Its limits should be its adapter's: what is lower is kept to.
+    /// Uses a device that is there already, and whoever watches it. Its limits should be its adapter's: what is lower is
+    /// kept to.
     ///
     /// # Errors
     /// When the device's limits are below what any picture needs.
@@ -47,6 +52,7 @@ impl GpuContext {
         device: wgpu::Device,
         queue: wgpu::Queue,
         info: wgpu::AdapterInfo,
+        watch: DeviceWatch,
     ) -> Result<Self, RenderError> {
         let limits = device.limits();
         let context = Self {
@@ -54,6 +60,7 @@ impl GpuContext {
             queue,
             info: Arc::new(info),
             limits: Arc::new(limits),
+            watch,
         };
         context.check(
             "the number of storage buffers a shader needs",
@@ -107,9 +114,21 @@ impl GpuContext {
         for scope in scopes.into_iter().rev() {
             found = found.or(pollster::block_on(scope.pop()));
         }
-        match found {
-            None => Ok(result),
-            Some(error) => Err(RenderError::Device(error.to_string())),
+        match (self.watch.lost(), found) {
+            (Some(reason), _) => Err(RenderError::Lost(reason.into())),
+            (None, None) => Ok(result),
+            (None, Some(wgpu::Error::OutOfMemory { source })) => {
+                Err(RenderError::OutOfMemory(source.to_string()))
+            }
+            (None, Some(error)) => Err(RenderError::Device(error.to_string())),
+        }
+    }
+
+    /// What to tell of a failure: that the device is lost, where that is why.
+    pub(super) fn failed(&self, error: &dyn std::fmt::Display) -> RenderError {
+        match self.watch.lost() {
+            Some(reason) => RenderError::Lost(reason.into()),
+            None => RenderError::Device(error.to_string()),
         }
     }
 
@@ -124,8 +143,9 @@ impl GpuContext {
                 submission_index: Some(submission),
                 timeout: None,
             })
-            .map_err(|error| RenderError::Device(error.to_string()))?;
-        Ok(())
+            .map_err(|error| self.failed(&error))?;
+        // Work that a lost device dropped counts as done.
+        self.guarded(|| ())
     }
 
     pub(super) fn encoder(&self) -> wgpu::CommandEncoder {

@@ -4,7 +4,7 @@
 //! buffers), and samples are added to an accumulation in slices of tiles × samples under a time budget. The mean is
 //! resolved on the device: to a display texture for a window, or to linear pixels that are read back.
 //!
-//! - [`adapters`]: what this machine has. [`context`]: device and queue, own or another's. [`layout`]: the only mirrors of WGSL structs.
+//! - [`adapters`]: what this machine has. [`context`]: device and queue, own or another's. [`DeviceWatch`]: whether it is lost. [`layout`]: the only mirrors of WGSL structs.
 //! - [`shaders`]: the files of shaders/ put together. [`needs`]: what of them a scene uses. `pipelines`: their cache.
 //! - `upload`: a scene's buffers and textures. `accumulation`: the sums. `schedule`: what to draw next, and how much.
 //! - `readback`: pictures, error estimate and counters back on the host. [`backend`]: all of it as a
@@ -24,7 +24,9 @@ mod readback;
 mod schedule;
 pub mod shaders;
 mod upload;
+mod watch;
 
 pub use adapters::{AdapterSummary, adapters};
 pub use backend::GpuBackend;
 pub use context::GpuContext;
+pub use watch::DeviceWatch;

@@ -73,7 +73,7 @@ fn read(
         mapped_at_creation: false,
     });
     encoder.copy_buffer_to_buffer(source, 0, &staging, 0, size);
-    let failed = |error: &dyn std::fmt::Display| RenderError::Device(error.to_string());
+    let failed = |error: &dyn std::fmt::Display| context.failed(error);
     let (sender, receiver) = mpsc::channel();
     context.queue.submit([encoder.finish()]);
     staging

@@ -84,7 +84,7 @@ impl Backend for ReferenceBackend {
 
     fn device_bytes(&self) -> u64 {
         match &self.work {
-            Some((_, progressive)) => progressive.bytes(),
+            Some((tracer, progressive)) => tracer.bytes() + progressive.bytes(),
             None => 0,
         }
     }

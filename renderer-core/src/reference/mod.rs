@@ -139,6 +139,11 @@ impl Tracer {
         Ray { origin, direction }
     }
 
+    /// Bytes of the frames of all loops, which are made from the scene's shapes.
+    pub fn bytes(&self) -> u64 {
+        size_of_val(&**self.frames) as u64
+    }
+
     /// The grid of cells.
     pub fn grid(&self) -> &Grid {
         &self.grid

@@ -180,9 +180,15 @@ pub enum RenderError {
     /// The method is not drawn by the GPU.
     #[error("the gpu backend does not draw by method {0}; use --backend cpu or another method")]
     Method(String),
-    /// The device was lost or ran out of memory.
+    /// The device refused or failed to do something.
     #[error("the GPU stopped: {0}")]
     Device(String),
+    /// The device has no memory left for scene or picture.
+    #[error("the GPU is out of memory: {0}; use a smaller picture or --backend cpu")]
+    OutOfMemory(String),
+    /// The device is gone: its driver was reset, or the card unplugged. Another one has to be made.
+    #[error("the GPU was lost: {0}")]
+    Lost(String),
 }
 
 /// A renderer: GPU, CPU or reference.
@@ -222,8 +228,13 @@ pub trait Backend: Send {
         Duration::ZERO
     }
 
-    /// Bytes held on the device for scene and accumulation.
+    /// Bytes held on the device for scene and accumulation; for processors, what they hold beside the scene.
     fn device_bytes(&self) -> u64;
+
+    /// Largest side of a picture that a window can show, pixels.
+    fn largest_side(&self) -> u32 {
+        MAX_SIDE
+    }
 }
 
 /// Which renderer to use.

@@ -20,14 +20,15 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::cancel::{Cancel, Cancelled};
 use super::chart::ChartOnSheet;
 use super::frames::{FrameSettings, Jitter, LoopInput, loop_hash, loop_shape};
-use super::grid::{self, Planted};
+use super::grid::{self, NoGrid, Planted};
 use super::length::{CellLengths, LengthRule};
 use super::looks::{Materials, looks};
 use super::skeleton::{Face, RootHeights};
 use super::turbulence::TurbulenceField;
-use super::volumes::rasterise;
+use super::volumes::rasterise_unless_cancelled;
 use super::{
     Lights, LoopCounts, LoopShape, Loops, PileOptics, Scene, Section, SheetGeometry, Skeleton,
     Volumes,
@@ -52,6 +53,15 @@ pub enum CompileError {
         /// Most entries.
         limit: u64,
     },
+    /// Nobody waits for the scene any more.
+    #[error("given up")]
+    Cancelled,
+}
+
+impl From<Cancelled> for CompileError {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
 }
 
 /// The scene of a design.
@@ -150,6 +160,18 @@ impl Compiler {
     /// # Errors
     /// When the design has values that are not allowed, or is too large. The last scene is kept for comparison.
     pub fn compile(&mut self, design: &Design) -> Result<Arc<Scene>, CompileError> {
+        self.compile_unless_cancelled(design, &Cancel::never())
+    }
+
+    /// The same, given up with [`CompileError::Cancelled`] soon after `cancel` says so.
+    ///
+    /// # Errors
+    /// As [`Self::compile`], or when given up.
+    pub fn compile_unless_cancelled(
+        &mut self,
+        design: &Design,
+        cancel: &Cancel<'_>,
+    ) -> Result<Arc<Scene>, CompileError> {
         let faults = design.faults();
         if !faults.is_empty() {
             return Err(CompileError::Invalid(faults));
@@ -165,8 +187,12 @@ impl Compiler {
         let turbulence_inputs = (sheet, design.turbulence.clone());
         let turbulence = match last.filter(|last| last.turbulence_inputs == turbulence_inputs) {
             Some(last) => Arc::clone(&last.turbulence),
-            None => Arc::new(TurbulenceField::new(&sheet, &design.turbulence)),
+            None => {
+                let field = TurbulenceField::unless_cancelled(&sheet, &design.turbulence, cancel);
+                Arc::new(field)
+            }
         };
+        cancel.check()?;
 
         let chart = ChartOnSheet::new(&design.chart, sheet.warps, sheet.wefts);
         let rule = LengthRule::new(&design.length);
@@ -180,7 +206,7 @@ impl Compiler {
         };
         let loops = match last.filter(|last| last.loops_inputs == loops_inputs) {
             Some(last) => last.scene.loops.clone(),
-            None => Section::new(loops_inputs.build(&turbulence)?),
+            None => Section::new(loops_inputs.build(&turbulence, cancel)?),
         };
 
         let looks_inputs = LooksInputs {
@@ -197,15 +223,17 @@ impl Compiler {
             Some(last) => last.scene.looks.clone(),
             None => keep(
                 old.map(|old| &old.looks),
-                looks(design, &sheet, &loops, &materials),
+                looks(design, &sheet, &loops, &materials, cancel),
             ),
         };
+        cancel.check()?;
 
         let volumes_inputs = VolumesInputs::new(design, &materials);
         let volumes = match last.filter(|last| last.volumes_inputs == volumes_inputs) {
             Some(last) => last.scene.volumes.clone(),
-            None => Section::new(volumes_inputs.build()),
+            None => Section::new(volumes_inputs.build(cancel)),
         };
+        cancel.check()?;
 
         let scene = Scene {
             sheet: keep(old.map(|old| &old.sheet), sheet),
@@ -293,8 +321,8 @@ impl VolumesInputs {
         }
     }
 
-    fn build(&self) -> Volumes {
-        rasterise(&self.pile, &self.kinds, self.reference_length_mm)
+    fn build(&self, cancel: &Cancel<'_>) -> Volumes {
+        rasterise_unless_cancelled(&self.pile, &self.kinds, self.reference_length_mm, cancel)
     }
 }
 
@@ -307,11 +335,22 @@ struct Row {
 }
 
 impl LoopsInputs {
-    fn build(&self, turbulence: &TurbulenceField) -> Result<Loops, CompileError> {
+    fn build(
+        &self,
+        turbulence: &TurbulenceField,
+        cancel: &Cancel<'_>,
+    ) -> Result<Loops, CompileError> {
         let rows: Vec<Row> = (0..self.sheet.wefts)
             .into_par_iter()
-            .map(|j| self.row(turbulence, j))
+            .map(|j| {
+                if cancel.is_cancelled() {
+                    Row::default()
+                } else {
+                    self.row(turbulence, j)
+                }
+            })
             .collect();
+        cancel.check()?;
         let count = rows.iter().map(|row| row.shapes.len()).sum();
         let mut planted = Planted {
             shapes: Vec::with_capacity(count),
@@ -328,11 +367,12 @@ impl LoopsInputs {
             planted.counts = planted.counts.plus(row.counts);
         }
         planted.row_starts.push(planted.shapes.len());
-        grid::build(&self.sheet, planted).map_err(|grid::TooManyEntries| {
-            CompileError::TooManyEntries {
+        grid::build(&self.sheet, planted, cancel).map_err(|error| match error {
+            NoGrid::TooManyEntries => CompileError::TooManyEntries {
                 loops: count as u64,
                 limit: grid::MAX_ENTRIES,
-            }
+            },
+            NoGrid::Cancelled => CompileError::Cancelled,
         })
     }
 

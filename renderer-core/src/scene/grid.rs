@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::bounds::{PartOverCells, box_of, parts};
 use super::skeleton::Face;
-use super::{CellEntry, CellHeader, LoopCounts, LoopShape, Loops, SheetGeometry};
+use super::{Cancel, CellEntry, CellHeader, LoopCounts, LoopShape, Loops, SheetGeometry};
 
 /// Slack around every bound, as a share of the farthest reach of any loop: some hundred f32 roundings.
 const SLACK: f64 = 1e-5;
@@ -36,8 +36,13 @@ pub(super) struct Planted {
 /// Most entries of all lists together: 2 GB, about the largest buffer that a device binds.
 pub(super) const MAX_ENTRIES: u64 = 1 << 29;
 
-/// The lists would be longer than [`MAX_ENTRIES`].
-pub(super) struct TooManyEntries;
+/// Why there is no grid.
+pub(super) enum NoGrid {
+    /// The lists would be longer than [`MAX_ENTRIES`].
+    TooManyEntries,
+    /// It was given up.
+    Cancelled,
+}
 
 /// A loop and where it stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -120,7 +125,11 @@ fn cells(low: f64, high: f64, pitch: f64) -> [i64; 2] {
 }
 
 /// Bins all loops.
-pub(super) fn build(sheet: &SheetGeometry, planted: Planted) -> Result<Loops, TooManyEntries> {
+pub(super) fn build(
+    sheet: &SheetGeometry,
+    planted: Planted,
+    cancel: &Cancel<'_>,
+) -> Result<Loops, NoGrid> {
     let farthest = |index: usize| {
         let [low, high] = planted.box_of(index);
         (-low).max(high).max_element()
@@ -159,7 +168,7 @@ pub(super) fn build(sheet: &SheetGeometry, planted: Planted) -> Result<Loops, To
         height_unit_mm: f64::from(height_unit_mm),
     };
     let rows = -margin[1]..i64::from(sheet.wefts) + margin[1];
-    let bands = binning.bands(rows)?;
+    let bands = binning.bands(rows, cancel)?;
 
     let mut headers = Vec::with_capacity(bands.iter().map(|band| band.headers.len()).sum());
     let mut entries = Vec::with_capacity(bands.iter().map(|band| band.entries.len()).sum());
@@ -242,7 +251,7 @@ struct Binning<'a> {
 }
 
 impl Binning<'_> {
-    fn bands(&self, rows: Range<i64>) -> Result<Vec<Band>, TooManyEntries> {
+    fn bands(&self, rows: Range<i64>, cancel: &Cancel<'_>) -> Result<Vec<Band>, NoGrid> {
         let count = (rows.end - rows.start) as usize;
         // Several bands a thread, so that uneven ones do not leave threads idle.
         let even = count.div_ceil(4 * rayon::current_num_threads());
@@ -250,10 +259,13 @@ impl Binning<'_> {
         let total = AtomicU64::new(0);
         let starts: Vec<i64> = rows.clone().step_by(height).collect();
         let band = |&start: &i64| {
+            cancel.check().map_err(|_| NoGrid::Cancelled)?;
             let band = self.band(start..(start + height as i64).min(rows.end));
             let entries = band.entries.len() as u64;
             let sum = total.fetch_add(entries, Ordering::Relaxed) + entries;
-            (sum <= MAX_ENTRIES).then_some(band).ok_or(TooManyEntries)
+            (sum <= MAX_ENTRIES)
+                .then_some(band)
+                .ok_or(NoGrid::TooManyEntries)
         };
         starts.par_iter().map(band).collect()
     }

@@ -6,7 +6,7 @@ use super::albedo::{AlbedoTable, Dye, albedo_from_reflectance};
 use super::chart::ChartOnSheet;
 use super::frames::loop_hash;
 use super::length::{ColourCache, LengthRule};
-use super::{LoopLook, Loops, Material, PileOptics, SheetGeometry};
+use super::{Cancel, LoopLook, Loops, Material, PileOptics, SheetGeometry};
 use crate::design::{Colour, Design, LengthMap, PileKind};
 use crate::sampling::hash_with;
 
@@ -72,12 +72,13 @@ impl PileOptics {
     }
 }
 
-/// Looks of all loops, in the order of their shapes.
+/// Looks of all loops, in the order of their shapes; not all of them if `cancel` says so afterwards.
 pub(super) fn looks(
     design: &Design,
     sheet: &SheetGeometry,
     loops: &Loops,
     materials: &Materials,
+    cancel: &Cancel<'_>,
 ) -> Vec<LoopLook> {
     let chart = ChartOnSheet::new(&design.chart, sheet.warps, sheet.wefts);
     let rule = LengthRule::new(&design.length);
@@ -107,6 +108,9 @@ pub(super) fn looks(
         .map_init(
             || ColourCache::new(of_colour),
             |cache, j| {
+                if cancel.is_cancelled() {
+                    return Vec::new();
+                }
                 let looks = loops.planted_in_row(sheet, j).map(|planted| {
                     let [i, j] = planted.cell;
                     // A loop stands only where the chart has a colour.

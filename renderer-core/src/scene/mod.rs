@@ -10,6 +10,7 @@
 
 mod albedo;
 mod bounds;
+mod cancel;
 mod chart;
 mod compile;
 mod curve;
@@ -25,6 +26,7 @@ mod types;
 mod volumes;
 
 pub use albedo::{AlbedoTable, Dye, albedo_from_reflectance};
+pub use cancel::Cancel;
 pub use chart::ChartOnSheet;
 pub use compile::{CompileError, Compiler, compile, warnings};
 pub use curve::MonotoneCurve;

@@ -11,7 +11,7 @@ use noise::core::worley::{ReturnType, distance_functions, worley_2d};
 use noise::permutationtable::PermutationTable;
 use rayon::prelude::*;
 
-use super::SheetGeometry;
+use super::{Cancel, SheetGeometry};
 use crate::design::{Filter, NoiseKind, Turbulence};
 use crate::sampling::{hash_with, unit_float};
 
@@ -31,11 +31,23 @@ pub struct TurbulenceField {
 impl TurbulenceField {
     /// Computes the field of a sheet.
     pub fn new(sheet: &SheetGeometry, turbulence: &Turbulence) -> Self {
+        Self::unless_cancelled(sheet, turbulence, &Cancel::never())
+    }
+
+    /// The same; not whole if `cancel` says so afterwards.
+    pub(super) fn unless_cancelled(
+        sheet: &SheetGeometry,
+        turbulence: &Turbulence,
+        cancel: &Cancel<'_>,
+    ) -> Self {
         let (warps, wefts) = (sheet.warps as usize, sheet.wefts as usize);
         let channels: [Channel; 4] = std::array::from_fn(|c| Channel::new(turbulence, c as u32));
         let mut values = vec![[0.0; 4]; warps * wefts];
         let rows = values.par_chunks_mut(warps).enumerate();
         rows.for_each(|(j, row)| {
+            if cancel.is_cancelled() {
+                return;
+            }
             let y_mm = (j as f64 + 0.5) * sheet.pitch_y_mm;
             for (i, value) in row.iter_mut().enumerate() {
                 let x_mm = (i as f64 + 0.5) * sheet.pitch_x_mm;
@@ -44,9 +56,9 @@ impl TurbulenceField {
         });
         let mut field = Self { warps, values };
         let weights = kernel(turbulence.filter, turbulence.filter_radius);
-        if weights.len() > 1 {
+        if weights.len() > 1 && !cancel.is_cancelled() {
             let before = field.mean_and_deviation();
-            field.smooth(&weights);
+            field.smooth(&weights, cancel);
             field.rescale(before);
         }
         field
@@ -87,7 +99,7 @@ impl TurbulenceField {
     }
 
     /// Convolves rows and columns with `weights` (centre first, both sides alike); edge cells continue outwards.
-    fn smooth(&mut self, weights: &[f32]) {
+    fn smooth(&mut self, weights: &[f32], cancel: &Cancel<'_>) {
         let warps = self.warps;
         let wefts = self.values.len() / warps;
         let mut rows_done = vec![[0.0; 4]; self.values.len()];
@@ -99,6 +111,9 @@ impl TurbulenceField {
         let rows = rows_done.par_chunks_mut(warps);
         rows.zip(self.values.par_chunks(warps))
             .for_each(|(out, row)| {
+                if cancel.is_cancelled() {
+                    return;
+                }
                 for (i, sum) in out.iter_mut().enumerate() {
                     blend(sum, weights[0], row[i]);
                     for (d, &weight) in weights.iter().enumerate().skip(1) {
@@ -109,6 +124,9 @@ impl TurbulenceField {
             });
         let columns = self.values.par_chunks_mut(warps).enumerate();
         columns.for_each(|(j, out)| {
+            if cancel.is_cancelled() {
+                return;
+            }
             out.fill([0.0; 4]);
             let mut add_row = |weight: f32, j: usize| {
                 for (sum, value) in out.iter_mut().zip(&rows_done[j * warps..(j + 1) * warps]) {

@@ -11,7 +11,7 @@ mod terry;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::Volumes;
+use super::{Cancel, Volumes};
 use crate::design::{Phase, Pile, PileKind};
 use crate::sampling::{Pcg, hash_with};
 use hair::Hair;
@@ -59,6 +59,16 @@ trait Field: Sync {
 ///
 /// `reference_length_mm` is the length of the loop that the volumes are drawn for; anything above zero.
 pub fn rasterise(pile: &Pile, kinds: &[PileKind], reference_length_mm: f64) -> Volumes {
+    rasterise_unless_cancelled(pile, kinds, reference_length_mm, &Cancel::never())
+}
+
+/// The same; not whole if `cancel` says so afterwards.
+pub(super) fn rasterise_unless_cancelled(
+    pile: &Pile,
+    kinds: &[PileKind],
+    reference_length_mm: f64,
+    cancel: &Cancel<'_>,
+) -> Volumes {
     let size = LoopSize {
         width: pile.base_width,
         length: reference_length_mm.max(0.05),
@@ -72,8 +82,14 @@ pub fn rasterise(pile: &Pile, kinds: &[PileKind], reference_length_mm: f64) -> V
     let cells: Vec<Vec<Cell>> = volumes
         .par_iter()
         .map(|&(kind, variant)| match kind {
-            PileKind::Terry => volume(&terry::Terry::new(pile, size, variant), pile, size, variant),
-            PileKind::Cut => volume(&cut::Cut::new(pile, size, variant), pile, size, variant),
+            PileKind::Terry => {
+                let field = terry::Terry::new(pile, size, variant);
+                volume(&field, pile, size, variant, cancel)
+            }
+            PileKind::Cut => {
+                let field = cut::Cut::new(pile, size, variant);
+                volume(&field, pile, size, variant, cancel)
+            }
         })
         .collect();
     let cells = || cells.iter().flatten();
@@ -137,7 +153,13 @@ impl Cell {
 }
 
 /// All voxels of one loop: u fastest, then v, then layers.
-fn volume(field: &impl Field, pile: &Pile, size: LoopSize, variant: u32) -> Vec<Cell> {
+fn volume(
+    field: &impl Field,
+    pile: &Pile,
+    size: LoopSize,
+    variant: u32,
+    cancel: &Cancel<'_>,
+) -> Vec<Cell> {
     let (resolution, layers) = (pile.resolution as usize, pile.layers as usize);
     let mut cells = vec![Cell::default(); layers * resolution * resolution];
     let share = 1.0 / (SUPERSAMPLES * SUPERSAMPLES * SUPERSAMPLES) as f64;
@@ -148,6 +170,9 @@ fn volume(field: &impl Field, pile: &Pile, size: LoopSize, variant: u32) -> Vec<
         .par_chunks_mut(resolution)
         .enumerate()
         .for_each(|(row, cells)| {
+            if cancel.is_cancelled() {
+                return;
+            }
             let (layer, b) = (row / resolution, row % resolution);
             for (a, cell) in cells.iter_mut().enumerate() {
                 for sub in 0..SUPERSAMPLES.pow(3) {
@@ -165,7 +190,9 @@ fn volume(field: &impl Field, pile: &Pile, size: LoopSize, variant: u32) -> Vec<
                 }
             }
         });
-    Hair::new(pile, size, variant).draw(field, &mut cells);
+    if !cancel.is_cancelled() {
+        Hair::new(pile, size, variant).draw(field, &mut cells);
+    }
     cells
 }
 

@@ -1,0 +1,145 @@
+//! A picture in work, and the ladder of sizes it climbs: a small one first, then twice that, up to the full size.
+
+use std::time::{Duration, Instant};
+
+use renderer_core::render::{Progress, RenderRequest};
+
+/// Pictures are published at most this often.
+const PUBLISHING: Duration = Duration::from_millis(50);
+/// A first picture that takes longer than this is drawn smaller.
+const FIRST_PICTURE: f64 = 0.1;
+/// Samples of a small picture.
+const REDUCED_SAMPLES: u32 = 4;
+/// Pictures of fewer samples are shown with 2 × 2 pixels averaged,
+const SHARP_FROM: u32 = 4;
+/// unless they are smaller than this: there is no sharpness to give away.
+const SOFT_UP_TO: u32 = 2;
+/// Smallest first picture: this fraction of the full width and height.
+const MOST_REDUCED: u32 = 16;
+
+/// A picture in work.
+pub struct Job {
+    /// The picture at full size.
+    pub request: RenderRequest,
+    /// Whether nothing is left to do.
+    pub is_done: bool,
+    /// Seconds of work on it.
+    pub seconds: f64,
+    /// Width and height of the picture in work are those of the request divided by this.
+    divisor: u32,
+    samples: u32,
+    /// Seconds on the picture of the present divisor.
+    rung_seconds: f64,
+    published: Instant,
+    publishing_took: Duration,
+}
+
+impl Job {
+    /// Starts with a picture whose first sample is there in a tenth of a second, at `cost` seconds for a sample of a
+    /// pixel; with the smallest where nothing is known.
+    pub fn new(request: RenderRequest, cost: Option<f64>) -> Self {
+        let divisor = first_divisor(cost, request.size);
+        Self {
+            request,
+            is_done: false,
+            seconds: 0.0,
+            divisor,
+            samples: 0,
+            rung_seconds: 0.0,
+            published: Instant::now(),
+            publishing_took: Duration::ZERO,
+        }
+    }
+
+    /// Whether `request` is the picture in work, at its full size, and only says otherwise when it is done.
+    pub fn goes_on_as(&self, request: &RenderRequest) -> bool {
+        let mut same = request.clone();
+        (same.settings.samples, same.settings.error) =
+            (self.request.settings.samples, self.request.settings.error);
+        self.divisor == 1 && same == self.request
+    }
+
+    /// Takes over the targets of a request that [goes on](Self::goes_on_as) with this picture.
+    pub fn go_on_as(&mut self, request: RenderRequest) {
+        self.request = request;
+        self.is_done = false;
+    }
+
+    /// What the backend has to draw now: the picture at a fraction of its size with few samples, or all of it.
+    pub fn in_work(&self) -> RenderRequest {
+        let mut reduced = self.request.clone();
+        if self.divisor > 1 {
+            reduced.size = self.request.size.map(|side| side.div_ceil(self.divisor));
+            reduced.crop = [0, 0, reduced.size[0], reduced.size[1]];
+            reduced.settings.samples = REDUCED_SAMPLES;
+            reduced.settings.error = 0.0;
+        }
+        reduced
+    }
+
+    /// Notes work of `seconds`. Seconds for a sample of a pixel if they can be told, and whether the picture should be
+    /// published.
+    pub fn note(&mut self, progress: Progress, seconds: f64) -> (Option<f64>, bool) {
+        self.seconds += seconds;
+        self.rung_seconds += seconds;
+        if progress.samples < self.samples {
+            // The backend could not go on from what it had.
+            (self.samples, self.rung_seconds) = (0, seconds);
+        }
+        if progress.samples == self.samples && !progress.done {
+            return (None, false);
+        }
+        let is_first = self.samples == 0;
+        self.samples = progress.samples;
+        let [width, height] = self.in_work().size;
+        let samples = f64::from(progress.samples.max(1));
+        let cost = self.rung_seconds / (f64::from(width) * f64::from(height) * samples);
+        let is_due = self.published.elapsed() > (4 * self.publishing_took).max(PUBLISHING);
+        (Some(cost), progress.done || is_first || is_due)
+    }
+
+    /// Notes that the picture was published, which took so long.
+    pub fn published(&mut self, took: Duration) {
+        (self.published, self.publishing_took) = (Instant::now(), took);
+    }
+
+    /// Goes on to a picture twice as large; false if this was the full size.
+    pub fn climb(&mut self) -> bool {
+        if self.divisor == 1 {
+            self.is_done = true;
+            return false;
+        }
+        self.divisor /= 2;
+        self.samples = 0;
+        self.rung_seconds = 0.0;
+        true
+    }
+
+    /// Whether the picture in work has no sample yet.
+    pub fn is_new(&self) -> bool {
+        self.samples == 0
+    }
+
+    /// Whether the picture in work is a small one.
+    pub fn is_reduced(&self) -> bool {
+        self.divisor > 1
+    }
+
+    /// Whether a picture of so many samples is better shown less sharp and less noisy.
+    pub fn is_soft(&self, samples: u32) -> bool {
+        samples < SHARP_FROM && self.divisor <= SOFT_UP_TO
+    }
+}
+
+/// The divisor at which one sample takes less than [`FIRST_PICTURE`].
+fn first_divisor(cost: Option<f64>, size: [u32; 2]) -> u32 {
+    let Some(cost) = cost else {
+        return MOST_REDUCED;
+    };
+    let whole = cost * f64::from(size[0]) * f64::from(size[1]);
+    let mut divisor = 1;
+    while divisor < MOST_REDUCED && whole / f64::from(divisor * divisor) > FIRST_PICTURE {
+        divisor *= 2;
+    }
+    divisor
+}

@@ -1,0 +1,337 @@
+//! What the thread does: takes a wish, makes its scene and its picture, and answers failures.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use renderer_core::design::Design;
+use renderer_core::image::Display;
+use renderer_core::render::{Camera, Progress, RenderError, RenderRequest};
+use renderer_core::scene::{self, Cancel, CompileError, Compiler, Scene};
+
+use super::fallback::{Fallback, Remedy};
+use super::job::Job;
+use super::{Activity, Shared, Shown, Wish, lock};
+use crate::backend::BackendChoice;
+use crate::designer::renderer::{Developer, MakeRenderer, Renderer};
+use crate::designer::workers;
+
+/// How long a backend works before the thread looks for news.
+const SLICE: Duration = Duration::from_millis(50);
+/// The same on the window's own GPU, where frames must wait for what is under way.
+const SHORT_SLICE: Duration = Duration::from_millis(12);
+/// A scene that is made within this time is not given up for a newer wish: it still shows where a drag is going.
+const FINISHED_ANYWAY: Duration = Duration::from_millis(400);
+/// Scenes are given up for so long; then one is made to its end, so that an endless drag shows something too.
+const GIVING_UP: Duration = Duration::from_secs(2);
+
+/// Why a wish cannot be had.
+enum Failure {
+    Compile(CompileError),
+    Render(RenderError),
+}
+
+impl From<CompileError> for Failure {
+    fn from(error: CompileError) -> Self {
+        Self::Compile(error)
+    }
+}
+
+impl From<RenderError> for Failure {
+    fn from(error: RenderError) -> Self {
+        Self::Render(error)
+    }
+}
+
+/// The thread's state.
+pub struct Worker<'a> {
+    shared: &'a Shared,
+    make: MakeRenderer,
+    repaint: &'a egui::Context,
+    renderer: Option<(BackendChoice, Renderer)>,
+    fallback: Fallback,
+    wish: Option<Wish>,
+    compiler: Compiler,
+    /// The last scene and its design.
+    compiled: Option<(Arc<Design>, Arc<Scene>)>,
+    /// Since when scenes have been given up without one being finished.
+    giving_up: Option<Instant>,
+    job: Option<Job>,
+    developer: Developer,
+    /// How the last picture was shown.
+    display: Option<Display>,
+    /// Seconds for a sample of a pixel, as last measured.
+    cost: Option<f64>,
+}
+
+impl<'a> Worker<'a> {
+    /// Nothing wished, nothing made.
+    pub fn new(shared: &'a Shared, make: MakeRenderer, repaint: &'a egui::Context) -> Self {
+        Self {
+            shared,
+            make,
+            repaint,
+            renderer: None,
+            fallback: Fallback::default(),
+            wish: None,
+            compiler: Compiler::default(),
+            compiled: None,
+            giving_up: None,
+            job: None,
+            developer: Developer::default(),
+            display: None,
+            cost: None,
+        }
+    }
+
+    /// Works until told to stop.
+    pub fn run(&mut self) {
+        while let Some(mail) = self.next_mail() {
+            let mut result = match mail {
+                Some(wish) => {
+                    self.wish = Some(wish);
+                    self.take()
+                }
+                None => self.advance(),
+            };
+            while let Err(failure) = result {
+                result = self.answer(failure);
+            }
+        }
+    }
+
+    /// A wish, or `Some(None)` if there is none and work goes on; sleeps while there is nothing to do. `None` to stop.
+    fn next_mail(&self) -> Option<Option<Wish>> {
+        let is_working = self.job.as_ref().is_some_and(|job| !job.is_done);
+        self.shared.next_mail(is_working)
+    }
+
+    fn publish(&self, change: impl FnOnce(&mut Shown)) {
+        change(&mut lock(&self.shared.shown));
+        self.repaint.request_repaint();
+    }
+
+    /// Tries what helps after a failure, or tells of it.
+    fn answer(&mut self, failure: Failure) -> Result<(), Failure> {
+        let error = match failure {
+            // What took its place waits in the mailbox.
+            Failure::Compile(CompileError::Cancelled) => return Ok(()),
+            Failure::Compile(error) => error.to_string(),
+            Failure::Render(error) => {
+                // What remains of a failed device is of no use.
+                let renderer = self.renderer.take();
+                let kind = renderer.map(|(_, mut renderer)| renderer.backend().kind());
+                let larger_side = self.job.take().map_or(0, |job| {
+                    let [width, height] = job.request.size;
+                    width.max(height)
+                });
+                match self.fallback.remedy(&error, kind, larger_side) {
+                    Remedy::Again(news) => {
+                        tracing::warn!("{error}");
+                        if let Some(news) = news {
+                            self.publish(|shown| shown.tell(news));
+                        }
+                        return self.take();
+                    }
+                    Remedy::Tell => error.to_string(),
+                }
+            }
+        };
+        self.job = None;
+        self.publish(|shown| {
+            shown.activity = Activity::Idle;
+            shown.error = Some(error);
+        });
+        Ok(())
+    }
+
+    /// Starts what is wished, as far as it differs from what is in work.
+    fn take(&mut self) -> Result<(), Failure> {
+        let Some(wish) = self.wish.clone() else {
+            return Ok(());
+        };
+        let scene = self.scene_of(&wish.design)?;
+        if self.fallback.choose(wish.choice, wish.attempt) {
+            self.renderer = None;
+        }
+        let choice = wish.choice.for_method(wish.design.quality.method);
+        let largest_side = self.choose_backend(self.fallback.effective(choice))?;
+        let size = self.fallback.fitted(wish.size, largest_side);
+        let request = RenderRequest {
+            scene,
+            camera: Camera::from_design(&wish.camera),
+            size,
+            crop: [0, 0, size[0], size[1]],
+            settings: wish.light.settings(&wish.design),
+        };
+        let standing = self.fallback.standing();
+        self.publish(|shown| {
+            shown.instead = standing;
+            shown.size = size;
+        });
+        match &mut self.job {
+            Some(job) if job.request == request => return self.show_again(wish.display),
+            Some(job) if job.goes_on_as(&request) => job.go_on_as(request),
+            _ => self.job = Some(Job::new(request, self.cost)),
+        }
+        self.begin()
+    }
+
+    fn scene_of(&mut self, design: &Arc<Design>) -> Result<Arc<Scene>, CompileError> {
+        if let Some((compiled, scene)) = &self.compiled
+            && Arc::ptr_eq(compiled, design)
+        {
+            return Ok(Arc::clone(scene));
+        }
+        let mut before = Activity::Idle;
+        self.publish(|shown| {
+            before = std::mem::replace(&mut shown.activity, Activity::Compiling);
+        });
+        let (start, giving_up) = (Instant::now(), self.giving_up);
+        let cancel = &self.shared.cancel;
+        let is_given_up = || {
+            cancel.load(Ordering::Relaxed)
+                && start.elapsed() > FINISHED_ANYWAY
+                && giving_up.is_none_or(|since| since.elapsed() < GIVING_UP)
+        };
+        let compiler = &mut self.compiler;
+        let compiled = workers::with_all(|| {
+            compiler.compile_unless_cancelled(design, &Cancel::when(&is_given_up))
+        });
+        if compiled == Err(CompileError::Cancelled) {
+            self.giving_up.get_or_insert(start);
+        } else {
+            self.giving_up = None;
+        }
+        let scene = compiled?;
+        let warnings = scene::warnings(design, &scene);
+        self.publish(|shown| {
+            // Where the picture stays the same, so does what is being done.
+            shown.activity = before;
+            shown.counts = scene.loops.counts;
+            shown.warnings = warnings;
+            shown.scene = Some(Arc::clone(&scene));
+        });
+        self.compiled = Some((Arc::clone(design), Arc::clone(&scene)));
+        Ok(scene)
+    }
+
+    /// Makes the backend unless it is there, and tells the largest side of its pictures.
+    fn choose_backend(&mut self, choice: BackendChoice) -> Result<u32, RenderError> {
+        if let Some((made, renderer)) = &mut self.renderer
+            && *made == choice
+        {
+            return Ok(renderer.backend().largest_side());
+        }
+        // The old one goes first: two of them may be more than the device's memory holds.
+        self.renderer = None;
+        self.job = None;
+        self.cost = None;
+        let mut renderer = (self.make)(choice)?;
+        let backend = renderer.backend();
+        let largest_side = backend.largest_side();
+        let device = Some((backend.kind(), backend.device_name()));
+        self.renderer = Some((choice, renderer));
+        self.publish(|shown| shown.device = device);
+        Ok(largest_side)
+    }
+
+    /// Hands the job's picture, at its present size, to the backend.
+    fn begin(&mut self) -> Result<(), Failure> {
+        let (Some(job), Some((_, renderer))) = (&mut self.job, &mut self.renderer) else {
+            return Ok(());
+        };
+        let (request, is_new) = (job.in_work(), job.is_new());
+        let backend = renderer.backend();
+        workers::with_all(|| backend.begin(&request))?;
+        let bytes = backend.device_bytes();
+        self.publish(|shown| {
+            shown.activity = Activity::Rendering;
+            shown.is_first |= is_new;
+            shown.device_bytes = bytes;
+            shown.error = None;
+        });
+        Ok(())
+    }
+
+    /// One slice of work on the job.
+    fn advance(&mut self) -> Result<(), Failure> {
+        let (Some(job), Some((_, renderer))) = (&mut self.job, &mut self.renderer) else {
+            return Ok(());
+        };
+        let start = Instant::now();
+        let progress = advance(renderer, &self.shared.cancel)?;
+        let (cost, is_due) = job.note(progress, start.elapsed().as_secs_f64());
+        self.cost = cost.or(self.cost);
+        if is_due {
+            self.show(progress)?;
+        }
+        if progress.done {
+            return self.climb();
+        }
+        Ok(())
+    }
+
+    /// Goes on with a picture twice as large, or rests.
+    fn climb(&mut self) -> Result<(), Failure> {
+        if self.job.as_mut().is_some_and(Job::climb) {
+            return self.begin();
+        }
+        self.publish(|shown| shown.activity = Activity::Idle);
+        Ok(())
+    }
+
+    /// Publishes the picture so far.
+    fn show(&mut self, progress: Progress) -> Result<(), Failure> {
+        let (Some(job), Some((_, renderer)), Some(wish)) =
+            (&mut self.job, &mut self.renderer, &self.wish)
+        else {
+            return Ok(());
+        };
+        let start = Instant::now();
+        let (display, soft) = (wish.display, job.is_soft(progress.samples));
+        let image = self.developer.shoot(renderer, display, soft)?;
+        let bytes = renderer.backend().device_bytes();
+        self.display = Some(display);
+        job.published(start.elapsed());
+        let (seconds, is_reduced) = (job.seconds, job.is_reduced());
+        self.publish(|shown| {
+            shown.image = image;
+            shown.version += 1;
+            shown.progress = progress;
+            shown.is_reduced = is_reduced;
+            shown.is_first = is_reduced;
+            shown.seconds = seconds;
+            shown.device_bytes = bytes;
+        });
+        Ok(())
+    }
+
+    /// Publishes the last picture as another display shows it.
+    fn show_again(&mut self, display: Display) -> Result<(), Failure> {
+        if self.display == Some(display) {
+            return Ok(());
+        }
+        let Some((_, renderer)) = &mut self.renderer else {
+            return Ok(());
+        };
+        let image = self.developer.again(renderer, display)?;
+        self.display = Some(display);
+        self.publish(|shown| {
+            shown.image = image;
+            shown.version += 1;
+        });
+        Ok(())
+    }
+}
+
+fn advance(renderer: &mut Renderer, cancel: &AtomicBool) -> Result<Progress, RenderError> {
+    match renderer {
+        Renderer::Within(backend) => {
+            let is_software = backend.context().is_software();
+            let slice = if is_software { SLICE } else { SHORT_SLICE };
+            renderer.backend().advance(slice, cancel)
+        }
+        Renderer::Apart(backend) => workers::with_all(|| backend.advance(SLICE, cancel)),
+    }
+}

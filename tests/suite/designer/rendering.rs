@@ -1,0 +1,381 @@
+//! Rendering for the window: failures of backends are answered and told, nothing runs when nothing changes, scenes that
+//! nobody waits for are given up.
+
+use std::collections::VecDeque;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+
+use renderer_core::render::MAX_SIDE;
+use renderer_core::scene::{Cancel, CompileError, Compiler};
+use towel_designer::designer::MakeBackend;
+
+use super::*;
+
+/// What a scripted backend does when it is asked to draw.
+#[derive(Clone, Copy)]
+enum Act {
+    Lose,
+    Panic,
+}
+
+/// What scripted backends do, and what they were asked.
+#[derive(Default)]
+struct Script {
+    /// Backends made of the GPU, and of the processor.
+    made: [AtomicU32; 2],
+    /// Calls of any backend.
+    calls: AtomicU64,
+    /// What GPUs do, one after the other; then they draw.
+    acts: Mutex<VecDeque<Act>>,
+    /// Pictures with a larger side are too much for GPUs' memory; 0: none.
+    memory_side: AtomicU32,
+    /// Largest side of the GPUs' textures; 0: no limit.
+    texture_side: AtomicU32,
+    /// GPUs cannot be made.
+    has_no_adapter: bool,
+}
+
+impl Script {
+    fn make(self: &Arc<Self>) -> MakeBackend {
+        let script = Arc::clone(self);
+        Arc::new(move |choice| {
+            let on_gpu = choice != BackendChoice::Cpu;
+            script.made[usize::from(!on_gpu)].fetch_add(1, Ordering::SeqCst);
+            if on_gpu && script.has_no_adapter {
+                return Err(RenderError::NoAdapter("none was found".into()));
+            }
+            let flat = FlatBackend {
+                size: [1, 1],
+                samples: 0,
+            };
+            Ok(Box::new(Scripted {
+                script: Arc::clone(&script),
+                on_gpu,
+                flat,
+            }))
+        })
+    }
+
+    fn made(&self) -> [u32; 2] {
+        [0, 1].map(|which| self.made[which].load(Ordering::SeqCst))
+    }
+}
+
+struct Scripted {
+    script: Arc<Script>,
+    on_gpu: bool,
+    flat: FlatBackend,
+}
+
+impl Scripted {
+    fn count(&self) {
+        self.script.calls.fetch_add(1, Ordering::SeqCst);
+    }
+}
+
+impl Backend for Scripted {
+    fn kind(&self) -> BackendKind {
+        if self.on_gpu {
+            BackendKind::Gpu
+        } else {
+            BackendKind::Cpu
+        }
+    }
+
+    fn device_name(&self) -> String {
+        "scripted".into()
+    }
+
+    fn begin(&mut self, request: &RenderRequest) -> Result<(), RenderError> {
+        self.count();
+        let side = self.script.memory_side.load(Ordering::SeqCst);
+        if self.on_gpu && side > 0 && request.size.iter().any(|&s| s > side) {
+            return Err(RenderError::OutOfMemory("no room for the sums".into()));
+        }
+        self.flat.begin(request)
+    }
+
+    fn advance(&mut self, slice: Duration, stop: &AtomicBool) -> Result<Progress, RenderError> {
+        self.count();
+        let act = self.script.acts.lock().unwrap().pop_front();
+        match act.filter(|_| self.on_gpu) {
+            Some(Act::Lose) => Err(RenderError::Lost("the driver was reset".into())),
+            Some(Act::Panic) => panic!("index out of bounds"),
+            None => self.flat.advance(slice, stop),
+        }
+    }
+
+    fn picture(&mut self) -> Result<Picture, RenderError> {
+        self.count();
+        self.flat.picture()
+    }
+
+    fn counters(&mut self) -> Result<Counters, RenderError> {
+        self.flat.counters()
+    }
+
+    fn device_bytes(&self) -> u64 {
+        0
+    }
+
+    fn largest_side(&self) -> u32 {
+        match self.script.texture_side.load(Ordering::SeqCst) {
+            side if self.on_gpu && side > 0 => side,
+            _ => MAX_SIDE,
+        }
+    }
+}
+
+fn scripted(script: &Arc<Script>) -> Harness<'static, App> {
+    let make = script.make();
+    let mut harness = Harness::builder()
+        .with_size(vec2(1280.0, 720.0))
+        .with_step_dt(1.0 / 60.0)
+        .build_eframe(|cc| {
+            let setup = Setup {
+                preset: None,
+                choice: BackendChoice::Gpu,
+                make,
+                system_dialogs: false,
+                folders: None,
+            };
+            App::new(cc, setup)
+        });
+    harness.run_steps(3);
+    harness
+}
+
+fn has_whole_picture(harness: &Harness<'_, App>) -> bool {
+    let shown = harness.state().viewport().shown();
+    shown.image.is_some() && !shown.is_reduced && shown.progress.done
+}
+
+fn is_said(harness: &Harness<'_, App>, text: &str) -> bool {
+    harness.query_all_by_label_contains(text).next().is_some()
+}
+
+#[test]
+fn a_lost_gpu_is_started_again_once_then_the_processor_takes_over() {
+    let script = Arc::new(Script::default());
+    script.acts.lock().unwrap().push_back(Act::Lose);
+    let mut harness = scripted(&script);
+    wait(&mut harness, "the picture", has_whole_picture);
+    harness.run_steps(2);
+    assert_eq!(script.made(), [2, 0], "the GPU is started again");
+    assert!(is_said(&harness, "the driver was reset"));
+    assert_eq!(harness.state().viewport().shown().instead, None);
+
+    let before = design(&harness).clone();
+    script.acts.lock().unwrap().push_back(Act::Lose);
+    type_number(&mut harness, "Warps", "60");
+    wait(&mut harness, "the processor's picture", |h| {
+        h.state().viewport().shown().instead.is_some() && has_whole_picture(h)
+    });
+    harness.run_steps(2);
+    assert_eq!(script.made(), [2, 1]);
+    assert!(is_said(&harness, "Rendered by the processor"));
+    assert_eq!(design(&harness).sheet.warps, 60, "the design is whole");
+    assert_eq!(harness.state().viewport().choice(), BackendChoice::Gpu);
+
+    // It stays so with further edits, until the GPU is chosen again.
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    harness.run_steps(3);
+    assert_eq!(*design(&harness), before);
+    wait(&mut harness, "the picture undone", has_whole_picture);
+    assert_eq!(script.made(), [2, 1]);
+    click(&mut harness, "Backend");
+    let gpu = harness.get_by_role_and_label(Role::RadioButton, "gpu");
+    gpu.click();
+    wait(&mut harness, "the GPU's picture", |h| {
+        h.state().viewport().shown().instead.is_none() && has_whole_picture(h)
+    });
+    assert_eq!(script.made(), [3, 1]);
+    harness.run_steps(2);
+    assert!(!is_said(&harness, "Rendered by the processor"));
+}
+
+#[test]
+fn without_an_adapter_the_processor_renders_and_says_so() {
+    let script = Arc::new(Script {
+        has_no_adapter: true,
+        ..Script::default()
+    });
+    let mut harness = scripted(&script);
+    wait(&mut harness, "the picture", has_whole_picture);
+    harness.run_steps(2);
+    assert_eq!(script.made(), [1, 1]);
+    assert!(is_said(&harness, "no GPU adapter: none was found"));
+    assert_eq!(harness.state().viewport().shown().error, None);
+}
+
+#[test]
+fn without_memory_pictures_get_smaller_then_the_processor_takes_over() {
+    let script = Arc::new(Script::default());
+    script.memory_side.store(600, Ordering::SeqCst);
+    let mut harness = scripted(&script);
+    let [width, height] = harness.state().viewport().size();
+    assert!(
+        width > 600,
+        "the window is too small for this test: {width}"
+    );
+    wait(&mut harness, "the picture", has_whole_picture);
+    harness.run_steps(2);
+    let shown = harness.state().viewport().shown();
+    let [drawn, drawn_height] = shown.size;
+    assert!(drawn <= 600, "{drawn}");
+    // Both sides rounded to whole pixels: half a pixel of some hundred.
+    let stretch = f64::from(drawn * height) / f64::from(drawn_height * width);
+    assert!((stretch - 1.0).abs() < 0.005, "{stretch}");
+    assert_eq!(shown.instead, None);
+    assert!(is_said(&harness, "enlarged"));
+
+    script.memory_side.store(100, Ordering::SeqCst);
+    type_number(&mut harness, "Warps", "60");
+    wait(&mut harness, "the processor's picture", |h| {
+        h.state().viewport().shown().instead.is_some() && has_whole_picture(h)
+    });
+    assert!(script.made()[1] == 1);
+    assert!(is_said(&harness, "out of memory"));
+}
+
+#[test]
+fn a_window_beyond_the_texture_limit_shows_a_smaller_picture_enlarged() {
+    let script = Arc::new(Script::default());
+    script.texture_side.store(512, Ordering::SeqCst);
+    let mut harness = scripted(&script);
+    wait(&mut harness, "the picture", has_whole_picture);
+    harness.run_steps(2);
+    let shown = harness.state().viewport().shown();
+    assert_eq!(shown.size.iter().max(), Some(&512));
+    let Some(Shot::Pixels(image)) = &shown.image else {
+        panic!("no pixels");
+    };
+    assert_eq!(image.size.iter().max(), Some(&512));
+    assert!(is_said(&harness, "enlarged"));
+}
+
+#[test]
+fn a_panic_of_a_backend_is_told_and_the_next_edit_draws_again() {
+    let script = Arc::new(Script::default());
+    script.acts.lock().unwrap().push_back(Act::Panic);
+    let mut harness = scripted(&script);
+    wait(&mut harness, "the error", |h| {
+        h.state().viewport().shown().error.is_some()
+    });
+    harness.run_steps(2);
+    assert!(is_said(&harness, "index out of bounds"));
+    type_number(&mut harness, "Warps", "60");
+    wait(&mut harness, "the picture", has_whole_picture);
+    harness.run_steps(2);
+    assert_eq!(harness.state().viewport().shown().error, None);
+    assert!(!is_said(&harness, "index out of bounds"));
+    assert_eq!(design(&harness).sheet.warps, 60);
+}
+
+/// Nothing is asked of backends and no frame is asked for, however long one waits.
+#[track_caller]
+fn assert_rest(harness: &mut Harness<'_, App>, script: &Script, when: &str) {
+    // Tooltips come after a while, animations end.
+    harness.run_steps(120);
+    let calls = script.calls.load(Ordering::SeqCst);
+    for _ in 0..5 {
+        std::thread::sleep(Duration::from_millis(40));
+        harness.step();
+        let delay = harness
+            .output()
+            .viewport_output
+            .values()
+            .map(|viewport| viewport.repaint_delay)
+            .min();
+        assert_eq!(delay, Some(Duration::MAX), "a frame is asked for {when}");
+    }
+    assert_eq!(
+        script.calls.load(Ordering::SeqCst),
+        calls,
+        "a backend is at work {when}"
+    );
+}
+
+#[test]
+fn nothing_runs_when_nothing_changes() {
+    let script = Arc::new(Script::default());
+    let mut harness = scripted(&script);
+    wait(&mut harness, "the picture", has_whole_picture);
+    assert_rest(&mut harness, &script, "after convergence");
+
+    let save = harness.get_by_label("Toolbar: Save").rect().center();
+    harness.hover_at(save);
+    assert_rest(&mut harness, &script, "under a tooltip");
+
+    let picture = harness.get_by_label("Viewport").rect().center();
+    harness.hover_at(picture);
+    assert_rest(&mut harness, &script, "with the pointer on the cloth");
+
+    harness
+        .get_by_role_and_label(Role::SpinButton, "Warps")
+        .click();
+    harness.run_steps(2);
+    assert!(harness.ctx.text_edit_focused());
+    assert_rest(&mut harness, &script, "while a text cursor waits");
+
+    let version = harness.state().viewport().shown().version;
+    type_number(&mut harness, "Wefts", "60");
+    wait(&mut harness, "the picture", |h| {
+        h.state().viewport().shown().version > version && has_whole_picture(h)
+    });
+    assert_rest(&mut harness, &script, "after an edit");
+}
+
+#[test]
+fn a_scene_that_is_given_up_leaves_the_compiler_whole() {
+    let mut first = Design::default();
+    (first.sheet.warps, first.sheet.wefts) = (60, 60);
+    let mut second = first.clone();
+    second.turbulence.seed = 7;
+    second.pile.fibres = 50;
+    // Given up after ever more questions, so in all the parts of a compilation.
+    for patience in [0, 10, 100, 300, 1000, 3000] {
+        let mut compiler = Compiler::default();
+        compiler.compile(&first).unwrap();
+        let asked = AtomicU64::new(0);
+        let ask = || asked.fetch_add(1, Ordering::SeqCst) >= patience;
+        let given_up = compiler.compile_unless_cancelled(&second, &Cancel::when(&ask));
+        assert!(
+            matches!(given_up, Err(CompileError::Cancelled)),
+            "not given up after {patience} questions"
+        );
+        let made = compiler.compile(&second).unwrap();
+        let fresh = Compiler::default().compile(&second).unwrap();
+        assert!(
+            made.loops.shapes == fresh.loops.shapes && made.loops.entries == fresh.loops.entries
+        );
+        assert!(made.volumes.voxels == fresh.volumes.voxels && *made.looks == *fresh.looks);
+    }
+}
+
+#[test]
+fn an_edit_gives_up_a_scene_in_the_making() {
+    let script = Arc::new(Script::default());
+    let mut harness = scripted(&script);
+    wait(&mut harness, "the picture", has_whole_picture);
+    // Four million cells take seconds, even on many cores.
+    type_number(&mut harness, "Warps", "2000");
+    type_number(&mut harness, "Wefts", "2000");
+    std::thread::sleep(Duration::from_millis(600));
+    harness.step();
+    let version = harness.state().viewport().shown().version;
+    assert!(harness.state().viewport().shown().is_busy());
+    let start = Instant::now();
+    type_number(&mut harness, "Wefts", "1");
+    wait(&mut harness, "the small cloth", |h| {
+        h.state().viewport().shown().version > version && has_whole_picture(h)
+    });
+    let loops = harness.state().viewport().shown().counts.planted;
+    assert!(loops <= 4000, "{loops}");
+    // Rows take milliseconds; the rest is a machine with other things to do.
+    assert!(
+        start.elapsed() < Duration::from_secs(3),
+        "{:?}",
+        start.elapsed()
+    );
+}

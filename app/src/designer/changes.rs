@@ -1,6 +1,6 @@
 //! Names what differs between two designs, for "Undo …": the history is a list of designs, the names are read off them.
 
-use renderer_core::design::{Design, Numbers};
+use renderer_core::design::{Design, Numbers, READY_PATTERNS};
 
 use super::widgets::label_of;
 
@@ -50,11 +50,39 @@ fn sheet(before: &Design, after: &Design) -> Option<String> {
 
 fn weave(before: &Design, after: &Design) -> Option<String> {
     let (a, b) = (&before.weave.pattern, &after.weave.pattern);
-    if (a.cols(), a.rows()) != (b.cols(), b.rows()) {
-        return Some("pattern size".into());
+    if a == b {
+        return other(before.weave.back != after.weave.back, "back of the cloth");
     }
-    other(a != b, "painted stitches")
-        .or_else(|| other(before.weave.back != after.weave.back, "back of the cloth"))
+    // Who paints the last cell of a ready pattern has painted.
+    let one_cell = a.cols() == b.cols()
+        && a.rows() == b.rows()
+        && a.values()
+            .iter()
+            .zip(b.values())
+            .filter(|(a, b)| a != b)
+            .count()
+            == 1;
+    let ready = READY_PATTERNS.iter().find(|ready| ready.pattern() == *b);
+    if let (Some(ready), false) = (ready, one_cell) {
+        return Some(format!("ready pattern {}", ready.name));
+    }
+    let is_shifted = || {
+        [(1, 0), (-1, 0), (0, 1), (0, -1)]
+            .iter()
+            .any(|&(x, y)| a.shifted(x, y) == *b)
+    };
+    let name = if *b == a.mirrored_left_right() || *b == a.mirrored_near_far() {
+        "mirrored pattern"
+    } else if *b == a.turned() {
+        "rotated pattern"
+    } else if (a.cols(), a.rows()) != (b.cols(), b.rows()) {
+        "pattern size"
+    } else if is_shifted() {
+        "shifted pattern"
+    } else {
+        "painted stitches"
+    };
+    Some(name.into())
 }
 
 fn chart(before: &Design, after: &Design) -> Option<String> {

@@ -16,7 +16,21 @@ const GESTURES: &[(&str, &str)] = &[
         "Pattern: arrows, space, 0 1 7 8 9",
         "Move, paint, paint that stitch",
     ),
-    ("Pattern: right click", "Pick the stitch"),
+    (
+        "Pattern: P L R Shift+R F I",
+        "Pencil, line, rectangle, filled rectangle, fill, pick",
+    ),
+    (
+        "Pattern: Shift+arrows, space or Enter, Escape",
+        "Draw out a line or rectangle, paint it, take it back",
+    ),
+    ("Pattern: right click, Alt and click", "Pick the stitch"),
+    ("Pattern: Shift while drawing out", "Straight line, square"),
+    (
+        "Pattern: M, Shift+M, T, Ctrl+arrows",
+        "Mirror, rotate, shift the pattern",
+    ),
+    ("Pattern: + and −, Ctrl and wheel", "Size of the cells"),
     (
         "Curve: arrows, Page up/down, Delete",
         "Move, select, remove a point",

@@ -10,6 +10,7 @@ mod environment_image;
 mod fields;
 mod pattern;
 pub mod preset;
+mod ready_patterns;
 mod sections;
 mod shape;
 
@@ -17,7 +18,8 @@ pub use chart_image::{ChartImage, OPAQUE_FROM, TILE, Tile};
 pub use colour::{Colour, linear_to_srgb, srgb_to_linear};
 pub use environment_image::{EnvironmentFault, EnvironmentImage, EnvironmentReader};
 pub use fields::{Fault, Field, Numbers};
-pub use pattern::{Pattern, STITCHES, Stitch};
+pub use pattern::{Anchor, Keep, NewCells, Pattern, STITCHES, Stitch};
+pub use ready_patterns::{READY_PATTERNS, ReadyPattern};
 pub use sections::*;
 pub use shape::{Entry, Shape, Shaped};
 

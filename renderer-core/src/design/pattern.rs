@@ -94,15 +94,69 @@ impl Pattern {
         }
     }
 
-    /// The pattern with another size: content kept at the near left corner, new cells 0.
-    pub fn resized(&self, cols: usize, rows: usize) -> Self {
+    /// All values, row by row from row 0.
+    pub fn values(&self) -> &[u8] {
+        &self.values
+    }
+
+    /// A pattern of `cols` × `rows` cells, each with the value that `value(column, row)` gives.
+    pub fn from_fn(cols: usize, rows: usize, value: impl Fn(usize, usize) -> u8) -> Self {
         let mut new = Self::filled(cols, rows, 0);
-        for row in 0..new.rows().min(self.rows()) {
-            for col in 0..new.cols.min(self.cols) {
-                new.set(col, row, self.at(col as i64, row as i64));
-            }
+        for (index, cell) in new.values.iter_mut().enumerate() {
+            *cell = value(index % new.cols, index / new.cols);
         }
         new
+    }
+
+    /// The pattern with another size. Its content is kept at the side or corner that `anchor` names and is cut off at
+    /// the others; new cells are what `new_cells` says.
+    pub fn resized(&self, cols: usize, rows: usize, anchor: Anchor, new_cells: NewCells) -> Self {
+        let shift = [
+            anchor.x.offset(self.cols, cols),
+            anchor.y.offset(self.rows(), rows),
+        ];
+        Self::from_fn(cols, rows, |col, row| {
+            let [col, row] = [col as i64 - shift[0], row as i64 - shift[1]];
+            let inside =
+                (0..self.cols as i64).contains(&col) && (0..self.rows() as i64).contains(&row);
+            match new_cells {
+                NewCells::Weft if !inside => 0,
+                NewCells::Weft | NewCells::Repeat => self.at(col, row),
+            }
+        })
+    }
+
+    /// The pattern with left and right exchanged.
+    pub fn mirrored_left_right(&self) -> Self {
+        let (cols, rows) = (self.cols, self.rows());
+        Self::from_fn(cols, rows, |col, row| {
+            self.values[row * cols + cols - 1 - col]
+        })
+    }
+
+    /// The pattern with near and far exchanged.
+    pub fn mirrored_near_far(&self) -> Self {
+        let (cols, rows) = (self.cols, self.rows());
+        Self::from_fn(cols, rows, |col, row| {
+            self.values[(rows - 1 - row) * cols + col]
+        })
+    }
+
+    /// The pattern turned by a quarter, clockwise seen from the front.
+    ///
+    /// Values stay what they are: this moves the figure of loops and floats, it does not exchange warp and weft.
+    pub fn turned(&self) -> Self {
+        let (cols, rows) = (self.cols, self.rows());
+        Self::from_fn(rows, cols, |col, row| {
+            self.values[col * cols + cols - 1 - row]
+        })
+    }
+
+    /// The pattern moved by whole cells; what leaves at one side comes in at the other.
+    pub fn shifted(&self, cols: i64, rows: i64) -> Self {
+        Self::from_fn(self.cols, self.rows(), |col, row| {
+            self.at(col as i64 - cols, row as i64 - rows)
+        })
     }
 
     pub(super) fn push_faults(&self, path: &str, faults: &mut Vec<Fault>) {
@@ -116,6 +170,49 @@ impl Pattern {
             }
         }
     }
+}
+
+/// Where along one axis content is kept when a pattern gets another size.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Keep {
+    /// At column or row 0: left, near.
+    #[default]
+    First,
+    /// In the middle.
+    Middle,
+    /// At the last column or row: right, far.
+    Last,
+}
+
+impl Keep {
+    /// By how many cells old content moves.
+    fn offset(self, old: usize, new: usize) -> i64 {
+        let room = new as i64 - old as i64;
+        match self {
+            Self::First => 0,
+            Self::Middle => room.div_euclid(2),
+            Self::Last => room,
+        }
+    }
+}
+
+/// Where content is kept when a pattern gets another size; the near left corner unless told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Anchor {
+    /// Along the weft.
+    pub x: Keep,
+    /// Along the warp.
+    pub y: Keep,
+}
+
+/// What cells are that a larger pattern gains.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum NewCells {
+    /// Weft over warp.
+    #[default]
+    Weft,
+    /// What the old pattern repeats there.
+    Repeat,
 }
 
 impl TryFrom<Vec<Vec<u8>>> for Pattern {

@@ -77,6 +77,7 @@ impl Panels {
             }
             ui.add_space(24.0);
         });
+        sheet_weave::show_window(ui.ctx(), &mut self.sheet_weave, design);
     }
 }
 

@@ -14,7 +14,7 @@ mod thumbnail;
 pub use choice_row::{Choice, check, choice, colour};
 pub use curve_editor::{CurveEditor, curve_editor};
 pub use file_browser::{Browsed, FileBrowser, FileKind};
-pub use grid_editor::{GridAccess, GridCell, GridEditor, GridTool, grid_editor};
+pub use grid_editor::{GridAccess, GridCell, GridEditor, GridTool, GridView, grid_editor};
 pub use icon::Icon;
 pub use icon_button::IconButton;
 pub use number_row::{number, number_value, optional_number};

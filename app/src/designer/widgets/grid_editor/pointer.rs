@@ -1,0 +1,149 @@
+//! Painting by pointer.
+
+use egui::{Key, PointerButton, Response, Ui};
+
+use super::canvas::Canvas;
+use super::{Gesture, GridAccess, GridEditor, GridTool, fill, get, put, put_all};
+use crate::designer::widgets::shapes::{self, Cell};
+
+/// Does what the pointer asks for. Whether a value changed.
+pub(super) fn work(
+    ui: &Ui,
+    editor: &mut GridEditor,
+    canvas: &Canvas,
+    response: &Response,
+    grid: &mut impl GridAccess,
+) -> bool {
+    zoom(ui, editor, response);
+    let is_by_keys = matches!(editor.gesture, Gesture::Shape { by_keys: true, .. });
+    let is_by_pointer = editor.gesture != Gesture::None && !is_by_keys;
+    if is_by_pointer && ui.input(|i| i.key_pressed(Key::Escape)) {
+        return cancel(editor, grid);
+    }
+    let down = response.is_pointer_button_down_on() && ui.input(|i| i.pointer.any_down());
+    // A press and its release can come in the same frame.
+    let (clicked, picked) = (
+        response.clicked_by(PointerButton::Primary),
+        response.secondary_clicked(),
+    );
+    let cell = response.interact_pointer_pos().map(|at| canvas.cell(at));
+    let mut changed = false;
+    if (down || clicked || picked)
+        && !is_by_pointer
+        && let Some(cell) = cell
+    {
+        let primary = clicked || ui.input(|i| i.pointer.primary_down());
+        let secondary = picked || ui.input(|i| i.pointer.secondary_down());
+        let alt = ui.input(|i| i.modifiers.alt);
+        response.request_focus();
+        changed = if secondary || (primary && (alt || editor.tool == GridTool::Pick)) {
+            editor.gesture = Gesture::Picking;
+            false
+        } else if primary {
+            begin(editor, canvas, grid, cell)
+        } else {
+            false
+        };
+    }
+    if let Some(cell) = cell {
+        let constrained = ui.input(|i| i.modifiers.shift);
+        changed |= go_on(editor, canvas, grid, cell, constrained);
+    }
+    let is_by_keys = matches!(editor.gesture, Gesture::Shape { by_keys: true, .. });
+    if !down && !is_by_keys && editor.gesture != Gesture::None {
+        changed |= editor.finish_shape(grid);
+        editor.gesture = Gesture::None;
+    }
+    changed
+}
+
+/// Ctrl and the wheel, or two fingers.
+fn zoom(ui: &Ui, editor: &mut GridEditor, response: &Response) {
+    let factor = ui.input(egui::InputState::zoom_delta);
+    if response.contains_pointer() && factor != 1.0 {
+        editor.zoom_by(factor.ln() / super::ZOOM_STEP.ln());
+    }
+}
+
+/// A press of the primary button, on a tool that paints.
+fn begin(editor: &mut GridEditor, canvas: &Canvas, grid: &mut impl GridAccess, cell: Cell) -> bool {
+    editor.gesture = Gesture::Spent;
+    if !canvas.has(cell) {
+        return false;
+    }
+    editor.cursor = cell;
+    match editor.tool {
+        GridTool::Pencil => {
+            editor.gesture = Gesture::Stroke {
+                last: cell,
+                before: grid.values().to_vec(),
+            };
+            put(grid, cell, editor.brush)
+        }
+        // One fill a press, or a drag across the border of the filled area would fill on.
+        GridTool::Fill => fill(grid, cell, editor.brush),
+        GridTool::Pick => false,
+        GridTool::Line | GridTool::Rectangle | GridTool::FilledRectangle => {
+            editor.gesture = Gesture::Shape {
+                from: cell,
+                to: cell,
+                by_keys: false,
+            };
+            false
+        }
+    }
+}
+
+/// The pointer, with its button down, is over `cell`.
+fn go_on(
+    editor: &mut GridEditor,
+    canvas: &Canvas,
+    grid: &mut impl GridAccess,
+    cell: Cell,
+    constrained: bool,
+) -> bool {
+    match &mut editor.gesture {
+        Gesture::Stroke { last, .. } => {
+            // All cells on the way, so that a fast stroke has no gaps.
+            let way = shapes::line(std::mem::replace(last, cell), cell);
+            editor.cursor = canvas.nearest(cell);
+            put_all(grid, way, editor.brush)
+        }
+        Gesture::Shape {
+            from,
+            by_keys: false,
+            ..
+        } => {
+            let from = *from;
+            let end = editor.shape_end(from, cell, constrained);
+            editor.gesture = Gesture::Shape {
+                from,
+                to: end,
+                by_keys: false,
+            };
+            editor.cursor = canvas.nearest(end);
+            false
+        }
+        Gesture::Picking => {
+            if let Some(value) = get(grid, cell) {
+                editor.brush = value;
+                editor.cursor = cell;
+            }
+            false
+        }
+        Gesture::None | Gesture::Spent | Gesture::Shape { .. } => false,
+    }
+}
+
+/// Takes back what is under way.
+fn cancel(editor: &mut GridEditor, grid: &mut impl GridAccess) -> bool {
+    let gesture = std::mem::replace(&mut editor.gesture, Gesture::Spent);
+    let Gesture::Stroke { before, .. } = gesture else {
+        return false;
+    };
+    let cols = grid.size()[0];
+    for (index, value) in before.into_iter().enumerate() {
+        grid.set(index % cols, index / cols, value);
+    }
+    true
+}

@@ -200,10 +200,15 @@ fn light_below_zero_and_beyond_all_suns_is_mended_and_told() {
     assert_eq!(image.pixel(1, 0), [1e6, 1.0, 1.0]);
     assert_eq!(image.pixel(2, 1), [1.0, 1.0, 1e6]);
     let mut design = Design::default();
-    assert_eq!(design.warnings(), Vec::<String>::new());
+    assert_eq!(design.warnings(), []);
     design.light.environment.pixels = Some(image);
     let warnings = design.warnings();
-    assert!(warnings[0].starts_with("3 pixels of the environment's image"));
+    assert_eq!(warnings[0].path, "light.environment.image");
+    assert!(
+        warnings[0]
+            .text
+            .starts_with("3 pixels of the environment's image")
+    );
     assert_eq!(
         EnvironmentReader::new(3, 2).unwrap_err(),
         EnvironmentFault::Proportion {

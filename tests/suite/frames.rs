@@ -464,7 +464,8 @@ fn the_designer_is_told_what_was_changed() {
     assert_eq!(scene.loops.counts.repaired, scene.loops.counts.planted);
     let told = warnings(&design, &scene);
     assert!(
-        told.iter().any(|w| w.contains("16800 of 16800")),
+        told.iter()
+            .any(|w| w.path == "pile" && w.text.contains("16800 of 16800")),
         "{told:?}"
     );
     assert!(warnings(&plain(), &compile(&plain()).unwrap()).is_empty());

@@ -302,11 +302,12 @@ fn left_of_status(ui: &mut Ui, viewport: &Viewport, shown: &Shown) {
     parts.retain(|part| !part.is_empty());
     ui.label(RichText::new(parts.join("   ·   ")).weak());
     if !shown.warnings.is_empty() {
-        let count = shown.warnings.len();
+        let lines: Vec<String> = shown.warnings.iter().map(ToString::to_string).collect();
+        let count = lines.len();
         let plural = if count == 1 { "" } else { "s" };
         let text = format!("{count} warning{plural}");
         ui.colored_label(ui.visuals().warn_fg_color, text)
-            .on_hover_text(shown.warnings.join("\n"));
+            .on_hover_text(lines.join("\n"));
     }
 }
 

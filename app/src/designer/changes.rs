@@ -2,16 +2,28 @@
 
 use renderer_core::design::{Design, Numbers, READY_PATTERNS};
 
+use super::panels::{ReadyLight, turbulence_reset};
 use super::widgets::label_of;
 
 /// What a user would call the step from `before` to `after`: "pile density", "painted stitches", "open chart".
 pub fn describe(before: &Design, after: &Design) -> String {
+    if turbulence_reset(before) == (after.turbulence.clone(), after.pile.clone())
+        && (&before.turbulence, &before.pile) != (&after.turbulence, &after.pile)
+    {
+        return "reset turbulence".into();
+    }
     let parts = [
         sheet(before, after),
         weave(before, after),
         chart(before, after),
         length(before, after),
         numbers("pile", &before.pile, &after.pile)
+            .or_else(|| {
+                other(
+                    before.pile.phase != after.pile.phase,
+                    "scattering of the pile",
+                )
+            })
             .or_else(|| other(before.pile != after.pile, "kind of pile")),
         numbers("turbulence", &before.turbulence, &after.turbulence)
             .or_else(|| other(before.turbulence != after.turbulence, "kind of turbulence")),
@@ -104,13 +116,26 @@ fn length(before: &Design, after: &Design) -> Option<String> {
     numbers("loop length", a, b)
         .or_else(|| other(a.map != b.map, "loop length map"))
         .or_else(|| other(a.curve != b.curve, "loop length curve"))
-        .or_else(|| list("row of lengths", a.table.len(), b.table.len()))
+        .or_else(|| {
+            let is_one = a.table.len().abs_diff(b.table.len()) == 1;
+            list("row of lengths", a.table.len(), b.table.len()).filter(|_| is_one)
+        })
         .or_else(|| other(a.table != b.table, "table of lengths"))
 }
 
 fn light(before: &Design, after: &Design) -> Option<String> {
     let (a, b) = (&before.light, &after.light);
-    list("sun", a.sun.len(), b.sun.len())
+    let ready = ReadyLight::ALL.into_iter();
+    let mut ready = ready.filter(|ready| a != b && ready.applied_to(a) == *b);
+    ready
+        .next()
+        .map(|ready| format!("light: {}", ready.name().to_lowercase()))
+        .or_else(|| list("sun", a.sun.len(), b.sun.len()))
+        .or_else(|| {
+            let mut suns = a.sun.iter().zip(&b.sun);
+            let is_moved = suns.any(|(a, b)| a.azimuth != b.azimuth && a.elevation != b.elevation);
+            other(is_moved, "moved sun")
+        })
         .or_else(|| {
             let mut suns = a.sun.iter().zip(&b.sun);
             suns.find_map(|(a, b)| numbers("sun", a, b))
@@ -123,8 +148,8 @@ fn light(before: &Design, after: &Design) -> Option<String> {
                 "open surroundings",
             )
         })
-        .or_else(|| numbers("environment", &a.environment, &b.environment))
-        .or_else(|| other(a.environment != b.environment, "environment"))
+        .or_else(|| numbers("surroundings", &a.environment, &b.environment))
+        .or_else(|| other(a.environment != b.environment, "surroundings"))
         .or_else(|| other(a.background != b.background, "background"))
 }
 

@@ -19,6 +19,7 @@ mod document;
 mod export;
 mod folders;
 mod help;
+pub mod length_pictures;
 mod live_light;
 mod notices;
 pub mod panels;
@@ -45,7 +46,7 @@ pub use command::Command;
 pub use document::Document;
 pub use folders::Folders;
 pub use live_light::LiveLight;
-pub use render_thread::{Shown, Wish};
+pub use render_thread::{Hurry, Shown, Wish};
 pub use renderer::{MakeBackend, Shot};
 pub use widgets::{Icon, label_of, shapes};
 
@@ -224,7 +225,7 @@ impl App {
             bars::status(ui, &self.viewport, &mut commands);
         });
         let faults = self.document.design.faults();
-        let warnings = self.document.design.warnings();
+        let warnings = self.viewport.shown().warnings.clone();
         Panel::left("document")
             .frame(side)
             .resizable(true)
@@ -291,8 +292,7 @@ impl eframe::App for App {
         let ctx = ui.ctx().clone();
         self.close_requested(&ctx);
         self.take_pictures(&ctx);
-        self.small_pictures
-            .give_way(self.viewport.shown().is_busy());
+        self.small_pictures.give_way(self.viewport.shown().hurry());
         self.take_loaded();
         self.take_dropped_files(&ctx);
         let is_asking = self.dialogs.is_browsing() || self.asked.is_some();

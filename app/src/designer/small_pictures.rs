@@ -2,8 +2,9 @@
 //!
 //! One thread draws them with a CPU backend on a few cores and takes turns between them in short slices. Pictures that
 //! answer a gesture ("urgent" ones) come before others, the newest first, and are shown coarse at once; the others come
-//! in the order they were asked for. A job replaces an unfinished one of the same key. While the viewport draws the
-//! first picture of an edit, nothing but coarse urgent pictures is drawn, so that edits show as fast as without.
+//! in the order they were asked for. A job replaces an unfinished one of the same key. While nothing of an edit can be seen
+//! in the viewport, only coarse urgent pictures are drawn, and others than urgent ones wait until it shows in full size: so
+//! edits show as fast as without.
 
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -17,10 +18,12 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use renderer_core::design::{CameraDesign, Design};
 use renderer_core::image::{Display, Picture};
 use renderer_core::render::{Backend, Camera, RenderRequest};
-use renderer_core::scene::compile;
+use renderer_core::scene::{Cancel, CompileError, Compiler};
 
 use super::live_light::LiveLight;
+use super::render_thread::Hurry;
 use super::renderer::MakeBackend;
+use super::workers;
 use crate::backend::BackendChoice;
 
 /// How long one picture is worked on before the thread looks at the others.
@@ -92,7 +95,7 @@ impl Mail {
 struct Desk {
     mail: Vec<Mail>,
     drawn: HashMap<Key, Drawn>,
-    gives_way: bool,
+    hurry: Hurry,
     stop: bool,
 }
 
@@ -110,6 +113,12 @@ impl Shared {
         self.desk.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Whether a picture in work is of no use: the window is gone, or something else was told about its key.
+    fn is_unwanted(&self, key: &Key) -> bool {
+        let desk = self.desk();
+        desk.stop || desk.mail.iter().any(|mail| mail.key() == key)
+    }
+
     fn tell(&self, change: impl FnOnce(&mut Desk)) {
         change(&mut self.desk());
         self.interrupt.store(true, Ordering::Relaxed);
@@ -117,8 +126,7 @@ impl Shared {
     }
 }
 
-/// Handle of the thread, which starts with the first job and ends when this is dropped (after the scene in work, if
-/// one is being compiled).
+/// Handle of the thread, which starts with the first job and ends when this is dropped.
 pub struct SmallPictures {
     shared: Arc<Shared>,
     make: MakeBackend,
@@ -166,10 +174,10 @@ impl SmallPictures {
         self.shared.desk().drawn.remove(key)
     }
 
-    /// Whether the viewport needs the machine for a first picture.
-    pub fn give_way(&self, gives_way: bool) {
-        if self.shared.desk().gives_way != gives_way {
-            self.shared.tell(|desk| desk.gives_way = gives_way);
+    /// How urgently the viewport needs the machine.
+    pub fn give_way(&self, hurry: Hurry) {
+        if self.shared.desk().hurry != hurry {
+            self.shared.tell(|desk| desk.hurry = hurry);
         }
     }
 
@@ -219,14 +227,18 @@ struct Begun {
 }
 
 impl Work {
-    /// Whether what comes next is quick enough to be done while the viewport needs the machine.
-    fn is_quick(&self) -> bool {
-        self.is_urgent
-            && match &self.stage {
-                Stage::Asked(_) => true,
-                Stage::Begun(begun) => begun.is_coarse,
-                Stage::Done => false,
-            }
+    /// Whether it may go on while the viewport is in such a hurry.
+    fn may_go_on(&self, hurry: Hurry) -> bool {
+        let is_quick = match &self.stage {
+            Stage::Asked(_) => true,
+            Stage::Begun(begun) => begun.is_coarse,
+            Stage::Done => false,
+        };
+        match hurry {
+            Hurry::None => true,
+            Hurry::Small => self.is_urgent,
+            Hurry::Unseen => self.is_urgent && is_quick,
+        }
     }
 }
 
@@ -235,7 +247,7 @@ fn run(shared: &Shared, make: &MakeBackend, repaint: &egui::Context) {
     let pool = few_threads();
     let mut works: Vec<Work> = Vec::new();
     while let Some(index) = next(shared, &mut works) {
-        let mut step = || works[index].step(make, &shared.interrupt);
+        let mut step = || works[index].step(make, shared);
         let drawn = catch_unwind(AssertUnwindSafe(|| match &pool {
             Some(pool) => pool.install(step),
             None => step(),
@@ -271,7 +283,10 @@ fn failed(error: String) -> Drawn {
 fn few_threads() -> Option<ThreadPool> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let pool = ThreadPoolBuilder::new().num_threads((cores / 4).max(1));
-    pool.thread_name(|_| "small pictures".into()).build().ok()
+    pool.thread_name(|_| "small pictures".into())
+        .start_handler(|_| workers::stand_back())
+        .build()
+        .ok()
 }
 
 /// Takes the mail and chooses what to go on with; sleeps while there is nothing. `None` to stop.
@@ -296,7 +311,7 @@ fn next(shared: &Shared, works: &mut Vec<Work>) -> Option<usize> {
         }
         let urgent = works.iter().rposition(|work| work.is_urgent);
         let chosen = urgent.or(if works.is_empty() { None } else { Some(0) });
-        if let Some(index) = chosen.filter(|&index| !desk.gives_way || works[index].is_quick()) {
+        if let Some(index) = chosen.filter(|&index| works[index].may_go_on(desk.hurry)) {
             return Some(index);
         }
         let woken = shared.news.wait(desk);
@@ -306,19 +321,16 @@ fn next(shared: &Shared, works: &mut Vec<Work>) -> Option<usize> {
 
 impl Work {
     /// A slice of work, and what there is to show after it.
-    fn step(
-        &mut self,
-        make: &MakeBackend,
-        interrupt: &AtomicBool,
-    ) -> Result<Option<Drawn>, String> {
+    fn step(&mut self, make: &MakeBackend, shared: &Shared) -> Result<Option<Drawn>, String> {
         match std::mem::replace(&mut self.stage, Stage::Done) {
             Stage::Asked(subject) => {
-                let begun = self.begin(&subject()?, make)?;
-                self.stage = Stage::Begun(Box::new(begun));
+                if let Some(begun) = self.begin(&subject()?, make, shared)? {
+                    self.stage = Stage::Begun(Box::new(begun));
+                }
                 Ok(None)
             }
             Stage::Begun(mut begun) => {
-                let drawn = begun.advance(self.is_urgent, interrupt)?;
+                let drawn = begun.advance(self.is_urgent, &shared.interrupt)?;
                 self.stage = Stage::Begun(begun);
                 Ok(drawn)
             }
@@ -326,13 +338,26 @@ impl Work {
         }
     }
 
-    fn begin(&self, subject: &Subject, make: &MakeBackend) -> Result<Begun, String> {
+    /// Makes the scene and hands it to a backend; `None` if nobody wants the picture any more.
+    fn begin(
+        &self,
+        subject: &Subject,
+        make: &MakeBackend,
+        shared: &Shared,
+    ) -> Result<Option<Begun>, String> {
         let design = &subject.design;
-        let scene = compile(design).map_err(|error| error.to_string())?;
+        let key = &self.key;
+        let is_unwanted = || shared.interrupt.load(Ordering::Relaxed) && shared.is_unwanted(key);
+        let cancel = Cancel::when(&is_unwanted);
+        let scene = match Compiler::default().compile_unless_cancelled(design, &cancel) {
+            Ok(scene) => scene,
+            Err(CompileError::Cancelled) => return Ok(None),
+            Err(error) => return Err(error.to_string()),
+        };
         let mut settings = LiveLight::Fast.settings(design);
         (settings.samples, settings.error) = (self.samples, 0.0);
         let request = RenderRequest {
-            scene: Arc::new(scene),
+            scene,
             camera: Camera::from_design(&subject.camera),
             size: self.size,
             crop: [0, 0, self.size[0], self.size[1]],
@@ -346,7 +371,7 @@ impl Work {
             shown: Instant::now(),
         };
         begun.start()?;
-        Ok(begun)
+        Ok(Some(begun))
     }
 }
 

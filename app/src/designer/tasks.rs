@@ -43,3 +43,52 @@ impl<T: Send + 'static> Task<T> {
         }
     }
 }
+
+/// What follows its inputs but takes too long for a frame: made on another thread, one at a time; until the newest is
+/// there, the one before it is shown.
+pub struct Latest<K, T> {
+    made: Option<(K, T)>,
+    /// What is being made; without a task where that came to nothing.
+    coming: Option<(K, Option<Task<T>>)>,
+}
+
+impl<K, T> Default for Latest<K, T> {
+    fn default() -> Self {
+        Self {
+            made: None,
+            coming: None,
+        }
+    }
+}
+
+impl<K: Clone + PartialEq + Send + 'static, T: Send + 'static> Latest<K, T> {
+    /// The newest there is for `key`, with the inputs it was made from. Where these differ, `make` is started.
+    pub fn get(
+        &mut self,
+        ctx: &Context,
+        key: &K,
+        make: impl FnOnce(&K) -> T + Send + 'static,
+    ) -> Option<&(K, T)> {
+        if let Some((of, task)) = &mut self.coming {
+            match task.as_ref().map(Task::poll) {
+                Some(Poll::Ready(result)) => {
+                    self.made = Some((of.clone(), result));
+                    self.coming = None;
+                }
+                Some(Poll::Lost) => *task = None,
+                Some(Poll::Pending) | None => {}
+            }
+        }
+        let is_made = self.made.as_ref().is_some_and(|(of, _)| of == key);
+        let waits = match &self.coming {
+            Some((of, task)) => task.is_some() || of == key,
+            None => false,
+        };
+        if !is_made && !waits {
+            let of = key.clone();
+            let task = Task::start(ctx, move || make(&of));
+            self.coming = Some((key.clone(), Some(task)));
+        }
+        self.made.as_ref()
+    }
+}

@@ -45,6 +45,31 @@ impl fmt::Display for Fault {
     }
 }
 
+/// Something about a design that is allowed but probably not meant.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Warning {
+    /// The part of the design it is about, as a preset path: `turbulence.frequency`, `pile`.
+    pub path: String,
+    /// A sentence for the designer.
+    pub text: String,
+}
+
+impl Warning {
+    /// A warning about the part at `path`.
+    pub fn new(path: &str, text: impl Into<String>) -> Self {
+        Self {
+            path: path.into(),
+            text: text.into(),
+        }
+    }
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
 /// A part of a design that is made of numbers with ranges (and other fields that serde alone can check).
 pub trait Numbers {
     /// Every number with its field, in file order.

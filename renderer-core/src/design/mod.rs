@@ -17,7 +17,7 @@ mod shape;
 pub use chart_image::{ChartImage, OPAQUE_FROM, TILE, Tile};
 pub use colour::{Colour, linear_to_srgb, srgb_to_linear};
 pub use environment_image::{EnvironmentFault, EnvironmentImage, EnvironmentReader};
-pub use fields::{Fault, Field, Numbers};
+pub use fields::{Fault, Field, Numbers, Warning};
 pub use pattern::{Anchor, Keep, NewCells, Pattern, STITCHES, Stitch};
 pub use ready_patterns::{READY_PATTERNS, ReadyPattern};
 pub use sections::*;
@@ -173,8 +173,8 @@ impl Design {
         longest.min(self.pile.max_length) + width + self.pile.thickness
     }
 
-    /// Things that are allowed but probably not meant, as sentences for the designer.
-    pub fn warnings(&self) -> Vec<String> {
+    /// Things that are allowed but probably not meant.
+    pub fn warnings(&self) -> Vec<Warning> {
         let mut warnings = Vec::new();
         let highest = self.turbulence.frequency
             * self
@@ -183,18 +183,20 @@ impl Design {
                 .powi(self.turbulence.octaves as i32 - 1);
         let limit = 0.5 / self.sheet.pitch_x().max(self.sheet.pitch_y());
         if highest > limit {
-            warnings.push(format!(
+            let text = format!(
                 "the highest turbulence octave has {highest:.2} cycles/mm, above {limit:.2}, half a cycle a cell: neighbouring loops look unrelated"
-            ));
+            );
+            warnings.push(Warning::new("turbulence.frequency", text));
         }
         if let Some(image) = &self.light.environment.pixels
             && image.mended() > 0
         {
-            warnings.push(format!(
+            let text = format!(
                 "{} pixels of the environment's image are darker than 0 or brighter than {}: they are taken as that",
                 image.mended(),
                 EnvironmentImage::BRIGHTEST
-            ));
+            );
+            warnings.push(Warning::new("light.environment.image", text));
         }
         warnings
     }

@@ -176,11 +176,11 @@ choice! {
     /// How a texel becomes a loop length.
     LengthMap {
         /// All loops have the same length.
-        Constant = "constant",
+        Constant = "all the same",
         /// Length follows the texel's brightness through a curve.
-        Gray = "gray curve",
+        Gray = "by brightness",
         /// Each colour of the chart has its own length and material.
-        Lut = "table",
+        Lut = "by colour",
     }
 }
 

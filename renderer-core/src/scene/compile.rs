@@ -34,7 +34,8 @@ use super::{
     Volumes,
 };
 use crate::design::{
-    Back, Chart, Colour, Design, Fault, Filter, Length, Phase, Pile, PileKind, Turbulence, Weave,
+    Back, Chart, Colour, Design, Fault, Filter, Length, Phase, Pile, PileKind, Turbulence, Warning,
+    Weave,
 };
 
 /// Why a design has no scene.
@@ -77,24 +78,27 @@ pub fn compile(design: &Design) -> Result<Scene, CompileError> {
 /// A filter of this radius, in waves of the turbulence, still leaves a tenth of it.
 const MAX_FILTER_WAVES: f64 = 0.75;
 
-/// What a designer should know about a design and its scene, as sentences.
-pub fn warnings(design: &Design, scene: &Scene) -> Vec<String> {
+/// What a designer should know about a design and its scene.
+pub fn warnings(design: &Design, scene: &Scene) -> Vec<Warning> {
     let mut warnings = design.warnings();
     let counts = scene.loops.counts;
     if counts.planted == 0 {
-        warnings.push("no loops: the pattern, the chart and the loop length leave none".into());
+        let text = "no loops: the pattern, the chart and the loop length leave none";
+        warnings.push(Warning::new("weave.pattern", text));
     }
     let turbulence = &design.turbulence;
     let pitch_mm = scene.sheet.pitch_x_mm.max(scene.sheet.pitch_y_mm);
     let waves = turbulence.filter_radius * pitch_mm * turbulence.frequency;
     if turbulence.filter != Filter::None && waves > MAX_FILTER_WAVES {
-        warnings.push(format!(
+        let text = format!(
             "the turbulence's filter reaches over {waves:.1} of its waves, more than {MAX_FILTER_WAVES}: little of it is left but at the cloth's edges"
-        ));
+        );
+        warnings.push(Warning::new("turbulence.filter_radius", text));
     }
     let mut tell = |count: u64, what: &str| {
         if count > 0 {
-            warnings.push(format!("{count} of {} loops {what}", counts.planted));
+            let text = format!("{count} of {} loops {what}", counts.planted);
+            warnings.push(Warning::new("pile", text));
         }
     };
     tell(counts.dropped, "were left out: their frame is degenerate");

@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 
 use renderer_core::design::{CameraDesign, Colour, Design, Method};
 use towel_designer::backend::{self, BackendChoice};
-use towel_designer::designer::MakeBackend;
 use towel_designer::designer::small_pictures::{Drawn, Job, Key, SmallPictures, Subject};
+use towel_designer::designer::{Hurry, MakeBackend};
 
 use super::FlatBackend;
 
@@ -199,7 +199,7 @@ fn failures_are_told_and_the_next_picture_comes() {
 #[test]
 fn the_viewports_first_picture_comes_before_all_but_a_coarse_one() {
     let mut pictures = SmallPictures::new(flat(), egui::Context::default());
-    pictures.give_way(true);
+    pictures.give_way(Hurry::Unseen);
     pictures.draw(job(key("preset"), false, || Ok(few_loops())));
     pictures.draw(job(Key::Loop, true, || Ok(few_loops())));
     let start = Instant::now();
@@ -220,9 +220,15 @@ fn the_viewports_first_picture_comes_before_all_but_a_coarse_one() {
         pictures.take(&key("preset")).is_none(),
         "it did not give way"
     );
-    pictures.give_way(false);
+    pictures.give_way(Hurry::Small);
     let whole = news(&pictures, &Key::Loop);
     assert_eq!(whole[0].image.as_ref().expect("a picture").size, [40, 24]);
+    std::thread::sleep(Duration::from_millis(60));
+    assert!(
+        pictures.take(&key("preset")).is_none(),
+        "it did not give way"
+    );
+    pictures.give_way(Hurry::None);
     news(&pictures, &key("preset"));
 }
 

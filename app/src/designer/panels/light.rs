@@ -1,17 +1,17 @@
 //! Light: suns, surroundings, background.
 
-use egui::{Color32, ColorImage, RichText, Ui, vec2};
+use egui::{Button, Color32, ColorImage, Ui, vec2};
 use renderer_core::design::{Colour, Environment, EnvironmentImage, EnvironmentKind, Light, Sun};
 
-use super::Surroundings;
+use super::light_sphere::{self, LightSphere};
+use super::{Surroundings, ready_lights};
 use crate::designer::command::Command;
-use crate::designer::widgets::{
-    Thumbnail, choice, colour, number, show_thumbnail, subheading, subheading_with,
-};
+use crate::designer::widgets::{Thumbnail, choice, colour, number, show_thumbnail, subheading};
 
-/// Picture of the surroundings.
+/// The suns' sphere and the picture of the surroundings.
 #[derive(Default)]
 pub struct State {
+    sphere: LightSphere,
     thumbnail: Thumbnail<(EnvironmentImage, f64)>,
 }
 
@@ -20,31 +20,17 @@ const WIDTH: usize = 256;
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, state: &mut State, light: &mut Light, around: &mut Surroundings<'_>) {
-    let mut removed = None;
-    let count = light.sun.len();
-    for (index, sun) in light.sun.iter_mut().enumerate() {
-        ui.push_id(index, |ui| {
-            subheading_with(ui, &format!("Sun {}", index + 1), |ui| {
-                let remove = ui
-                    .small_button("Remove")
-                    .accessible_name(format!("Remove sun {}", index + 1));
-                if remove.on_hover_text("Takes this sun away.").clicked() {
-                    removed = Some(index);
-                }
-            });
-            one_sun(ui, sun);
-        });
+    subheading(ui, "Ready lights");
+    if ready_lights::show(ui, light) {
+        state.sphere.selected = 0;
     }
-    if let Some(index) = removed {
-        light.sun.remove(index);
-    }
-    ui.add_space(2.0);
-    let add = ui.add_enabled(count < Light::MAX_SUNS, egui::Button::new("Add sun"));
-    if add
-        .on_hover_text(format!("At most {} suns.", Light::MAX_SUNS))
-        .clicked()
-    {
-        light.sun.push(Sun::default());
+    subheading(ui, "Suns");
+    ui.horizontal_top(|ui| {
+        light_sphere::show(ui, &mut state.sphere, light);
+        ui.vertical(|ui| list(ui, &mut state.sphere.selected, light));
+    });
+    if let Some(sun) = light.sun.get_mut(state.sphere.selected) {
+        one_sun(ui, sun);
     }
     subheading(ui, "Surroundings");
     ui.push_id("environment", |ui| {
@@ -59,6 +45,38 @@ pub fn show(ui: &mut Ui, state: &mut State, light: &mut Light, around: &mut Surr
             &mut light.background,
         );
     });
+}
+
+/// The suns by number, to choose one, and to have more or fewer.
+fn list(ui: &mut Ui, selected: &mut usize, light: &mut Light) {
+    ui.horizontal_wrapped(|ui| {
+        for index in 0..light.sun.len() {
+            let name = format!("Sun {}", index + 1);
+            let button = ui.add(Button::new(name).selected(*selected == index));
+            if button
+                .on_hover_text("Shows this sun's numbers below.")
+                .clicked()
+            {
+                *selected = index;
+            }
+        }
+    });
+    ui.add_space(4.0);
+    let add = ui.add_enabled(light.sun.len() < Light::MAX_SUNS, Button::new("Add sun"));
+    if add
+        .on_hover_text(format!("At most {} suns.", Light::MAX_SUNS))
+        .clicked()
+    {
+        light.sun.push(Sun::default());
+        *selected = light.sun.len() - 1;
+    }
+    if *selected < light.sun.len() {
+        let remove = ui.button(format!("Remove sun {}", *selected + 1));
+        if remove.on_hover_text("Takes this sun away.").clicked() {
+            light.sun.remove(*selected);
+            *selected = selected.saturating_sub(1);
+        }
+    }
 }
 
 fn surroundings(
@@ -145,10 +163,6 @@ fn picture(
     let [width, height] = image.file_size();
     ui.weak(format!("{name}, {width} × {height} px"))
         .on_hover_text(path);
-    for warning in around.warnings.iter().filter(|w| w.contains("environment")) {
-        let text = RichText::new(warning).small();
-        ui.label(text.color(ui.visuals().warn_fg_color));
-    }
 }
 
 /// The surroundings at twice the shown size at most, in displayed colours.

@@ -2,16 +2,24 @@
 //! else; what it cannot do itself (open a file, move the camera) it asks for with a [`Command`].
 
 mod chart;
+mod height_map;
+mod length_table;
 mod light;
+mod light_sphere;
 mod loop_length;
+mod loop_picture;
 mod pile;
+mod ready_lights;
 mod sheet_weave;
 mod skeleton;
 mod turbulence;
 mod view_quality;
 
 use egui::{CollapsingHeader, RichText, ScrollArea, Ui};
-use renderer_core::design::{CameraDesign, Design, Fault};
+use renderer_core::design::{CameraDesign, Design, Fault, Warning};
+
+pub use ready_lights::ReadyLight;
+pub use turbulence::turbulence_reset;
 
 use super::command::Command;
 use super::small_pictures::SmallPictures;
@@ -22,6 +30,7 @@ pub struct Panels {
     sheet_weave: sheet_weave::State,
     chart: chart::State,
     loop_length: loop_length::State,
+    pile: pile::State,
     turbulence: turbulence::State,
     light: light::State,
 }
@@ -31,7 +40,7 @@ pub struct Surroundings<'a> {
     /// Values of the design that are not allowed.
     pub faults: &'a [Fault],
     /// Things that are allowed but probably not meant.
-    pub warnings: &'a [String],
+    pub warnings: &'a [Warning],
     /// The camera of the viewport.
     pub camera: &'a CameraDesign,
     /// Where panels put what they ask for.
@@ -68,8 +77,8 @@ impl Panels {
                     0 => sheet_weave::show(ui, &mut self.sheet_weave, design),
                     1 => chart::show(ui, &mut self.chart, &mut design.chart, around),
                     2 => loop_length::show(ui, &mut self.loop_length, design),
-                    3 => pile::show(ui, &mut design.pile),
-                    4 => turbulence::show(ui, &mut self.turbulence, design, around),
+                    3 => pile::show(ui, &mut self.pile, design, around),
+                    4 => turbulence::show(ui, &mut self.turbulence, design),
                     5 => skeleton::show(ui, &mut design.skeleton),
                     6 => light::show(ui, &mut self.light, &mut design.light, around),
                     _ => view_quality::show(ui, design, around),
@@ -81,26 +90,27 @@ impl Panels {
     }
 }
 
-/// A collapsible panel, marked where its part of the design has faults, which are told at its top.
+/// A collapsible panel, marked where its part of the design has faults, which are told at its top, or warnings, which are
+/// told at its end: they come and go while a slider is dragged, which must not move away under the pointer.
 fn section(
     ui: &mut Ui,
     Title(title, parts, open): &Title,
     around: &mut Surroundings<'_>,
     body: impl FnOnce(&mut Ui, &mut Surroundings<'_>),
 ) {
-    let concerns = |fault: &&Fault| {
-        let part = fault.path.split(['.', '[']).next().unwrap_or_default();
+    let concerns = |path: &str| {
+        let part = path.split(['.', '[']).next().unwrap_or_default();
         parts.contains(&part)
     };
-    let faults: Vec<String> = around
-        .faults
-        .iter()
-        .filter(concerns)
-        .map(ToString::to_string)
-        .collect();
+    let faults = around.faults.iter().filter(|f| concerns(&f.path));
+    let faults: Vec<String> = faults.map(ToString::to_string).collect();
+    let warnings = around.warnings.iter().filter(|w| concerns(&w.path));
+    let warnings: Vec<String> = warnings.map(ToString::to_string).collect();
     let mut heading = RichText::new(*title).strong().size(13.5);
     if !faults.is_empty() {
         heading = heading.color(ui.visuals().error_fg_color);
+    } else if !warnings.is_empty() {
+        heading = heading.color(ui.visuals().warn_fg_color);
     }
     CollapsingHeader::new(heading)
         .id_salt(title)
@@ -113,6 +123,10 @@ fn section(
                 ui.colored_label(ui.visuals().error_fg_color, fault);
             }
             body(ui, around);
+            for warning in warnings {
+                let text = RichText::new(warning).small();
+                ui.label(text.color(ui.visuals().warn_fg_color));
+            }
             ui.add_space(6.0);
         });
     ui.separator();

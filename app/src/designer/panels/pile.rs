@@ -1,20 +1,24 @@
-//! Pile: the yarn loops, the volume inside them, their lie, and how they scatter light.
+//! Pile: the yarn loops, one of them seen close, and how they scatter light. How they lie is the panel Turbulence's.
 
 use egui::Ui;
-use renderer_core::design::{Phase, Pile};
+use renderer_core::design::{Design, Phase, Pile};
 
-use crate::designer::widgets::{choice, number, subheading};
+use super::Surroundings;
+use super::loop_picture::{self, LoopPicture};
+use crate::designer::widgets::{choice, more, number, subheading};
+
+/// The loop seen close.
+#[derive(Default)]
+pub struct State {
+    picture: LoopPicture,
+}
 
 /// Shows the panel.
-pub fn show(ui: &mut Ui, pile: &mut Pile) {
+pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design, around: &mut Surroundings<'_>) {
+    loop_picture::show(ui, &mut state.picture, design, around.small_pictures);
+    let pile = &mut design.pile;
     let fields = Pile::FIELDS;
     choice(ui, "Kind", "What a loop is made of.", &mut pile.kind);
-    subheading(ui, "Loop");
-    number(ui, &fields.base_width, &mut pile.base_width);
-    number(ui, &fields.top_width, &mut pile.top_width);
-    number(ui, &fields.thickness, &mut pile.thickness);
-    number(ui, &fields.max_length, &mut pile.max_length);
-    number(ui, &fields.root_blend, &mut pile.root_blend);
     subheading(ui, "Yarn");
     number(ui, &fields.yarn_diameter, &mut pile.yarn_diameter);
     number(ui, &fields.plies, &mut pile.plies);
@@ -22,41 +26,46 @@ pub fn show(ui: &mut Ui, pile: &mut Pile) {
     number(ui, &fields.fibres, &mut pile.fibres);
     number(ui, &fields.hairiness, &mut pile.hairiness);
     number(ui, &fields.density, &mut pile.density);
-    subheading(ui, "Lie");
+    subheading(ui, "Shape of a loop");
+    number(ui, &fields.base_width, &mut pile.base_width);
+    number(ui, &fields.top_width, &mut pile.top_width);
+    number(ui, &fields.thickness, &mut pile.thickness);
+    subheading(ui, "Nap");
     number(ui, &fields.lean_x, &mut pile.lean_x);
     number(ui, &fields.lean_y, &mut pile.lean_y);
-    number(ui, &fields.tilt, &mut pile.tilt);
-    number(ui, &fields.twist, &mut pile.twist);
-    number(ui, &fields.stretch, &mut pile.stretch);
-    number(ui, &fields.jitter, &mut pile.jitter);
-    number(ui, &fields.twist_jitter, &mut pile.twist_jitter);
-    number(ui, &fields.length_jitter, &mut pile.length_jitter);
-    subheading(ui, "Light in the pile");
+    more(ui, "More about loops", |ui| {
+        number(ui, &fields.max_length, &mut pile.max_length);
+        number(ui, &fields.root_blend, &mut pile.root_blend);
+        number(ui, &fields.variants, &mut pile.variants);
+    });
+    more(ui, "Light in the pile", |ui| light(ui, pile));
+    more(ui, "Fineness of the volume", |ui| {
+        number(ui, &fields.layers, &mut pile.layers);
+        number(ui, &fields.resolution, &mut pile.resolution);
+        choice(
+            ui,
+            "Interpolation",
+            "How layers of the volume blend.",
+            &mut pile.interpolation,
+        );
+    });
+}
+
+fn light(ui: &mut Ui, pile: &mut Pile) {
+    let fields = Pile::FIELDS;
     choice(
         ui,
-        "Phase",
+        "Scattering",
         "How a point of the pile scatters light.",
         &mut pile.phase,
     );
     number(ui, &fields.max_albedo, &mut pile.max_albedo);
-    ui.add_enabled_ui(
-        matches!(pile.phase, Phase::FrameLambert | Phase::GradientLambert),
-        |ui| {
-            number(ui, &fields.transmission, &mut pile.transmission);
-        },
-    );
+    let is_surface = matches!(pile.phase, Phase::FrameLambert | Phase::GradientLambert);
+    ui.add_enabled_ui(is_surface, |ui| {
+        number(ui, &fields.transmission, &mut pile.transmission);
+    });
     ui.add_enabled_ui(pile.phase == Phase::KajiyaKay, |ui| {
         number(ui, &fields.specular, &mut pile.specular);
         number(ui, &fields.exponent, &mut pile.exponent);
     });
-    subheading(ui, "Volume");
-    number(ui, &fields.variants, &mut pile.variants);
-    number(ui, &fields.layers, &mut pile.layers);
-    number(ui, &fields.resolution, &mut pile.resolution);
-    choice(
-        ui,
-        "Interpolation",
-        "How layers of the volume blend.",
-        &mut pile.interpolation,
-    );
 }

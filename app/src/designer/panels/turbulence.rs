@@ -1,31 +1,35 @@
-//! Turbulence: the smooth disorder of the loops, with its four channels as thumbnails (the paper's figure 11).
+//! Turbulence: the smooth disorder of the loops, with its four channels as thumbnails (the paper's figure 11), how
+//! strongly each moves the loops, and what each loop does on its own.
 
-use egui::{Color32, ColorImage, RichText, Ui, vec2};
-use renderer_core::design::{Design, Filter, Turbulence};
+use egui::{Button, Color32, ColorImage, RichText, Sense, TextureHandle, TextureOptions, Ui, vec2};
+use renderer_core::design::{Design, Filter, Pile, Turbulence};
 use renderer_core::scene::{CHANNELS, SheetGeometry, TurbulenceField};
 
-use super::Surroundings;
-use crate::designer::widgets::{Thumbnail, choice, number, show_thumbnail, subheading};
+use crate::designer::tasks::Latest;
+use crate::designer::widgets::{choice, more, number, show_thumbnail, subheading};
 
 /// What the thumbnails show: the turbulence of the first cells of a sheet.
 type Key = (SheetGeometry, Turbulence);
 
-/// Pictures of the four channels, side by side in one texture.
+/// Pictures of the four channels.
 #[derive(Default)]
 pub struct State {
-    channels: [Thumbnail<Key>; 4],
+    channels: Latest<Key, [TextureHandle; 4]>,
 }
 
 /// Most cells along a side of a thumbnail; larger sheets show their near left corner.
 const MOST_CELLS: u32 = 96;
 
 /// Shows the panel.
-pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design, around: &mut Surroundings<'_>) {
+pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design) {
     thumbnails(ui, state, design);
-    for warning in around.warnings.iter().filter(|w| w.contains("turbulence")) {
-        let text = RichText::new(warning).small();
-        ui.label(text.color(ui.visuals().warn_fg_color));
-    }
+    let pile = &mut design.pile;
+    let of_pile = Pile::FIELDS;
+    subheading(ui, "How far clumps of loops move");
+    number(ui, &of_pile.tilt, &mut pile.tilt);
+    number(ui, &of_pile.twist, &mut pile.twist);
+    number(ui, &of_pile.stretch, &mut pile.stretch);
+    subheading(ui, "Clumps");
     let fields = Turbulence::FIELDS;
     let turbulence = &mut design.turbulence;
     choice(
@@ -36,24 +40,75 @@ pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design, around: &mut Su
     );
     number(ui, &fields.frequency, &mut turbulence.frequency);
     number(ui, &fields.octaves, &mut turbulence.octaves);
-    number(ui, &fields.lacunarity, &mut turbulence.lacunarity);
-    number(ui, &fields.gain, &mut turbulence.gain);
     number(ui, &fields.seed, &mut turbulence.seed);
-    choice(
-        ui,
-        "Filter",
-        "Smoothing of the turbulence over neighbouring cells.",
-        &mut turbulence.filter,
-    );
-    ui.add_enabled_ui(turbulence.filter != Filter::None, |ui| {
-        number(ui, &fields.filter_radius, &mut turbulence.filter_radius);
+    subheading(ui, "What each loop does on its own");
+    number(ui, &of_pile.jitter, &mut pile.jitter);
+    number(ui, &of_pile.twist_jitter, &mut pile.twist_jitter);
+    number(ui, &of_pile.length_jitter, &mut pile.length_jitter);
+    more(ui, "More about clumps", |ui| {
+        number(ui, &fields.lacunarity, &mut turbulence.lacunarity);
+        number(ui, &fields.gain, &mut turbulence.gain);
+        choice(
+            ui,
+            "Filter",
+            "Smoothing of the turbulence over neighbouring cells.",
+            &mut turbulence.filter,
+        );
+        ui.add_enabled_ui(turbulence.filter != Filter::None, |ui| {
+            number(ui, &fields.filter_radius, &mut turbulence.filter_radius);
+        });
     });
-    subheading(ui, "Strengths");
-    let pile = &mut design.pile;
-    let fields = renderer_core::design::Pile::FIELDS;
-    number(ui, &fields.tilt, &mut pile.tilt);
-    number(ui, &fields.twist, &mut pile.twist);
-    number(ui, &fields.stretch, &mut pile.stretch);
+    reset(ui, design);
+}
+
+/// What turbulence and pile are with everything in this panel as a new design has it.
+pub fn turbulence_reset(design: &Design) -> (Turbulence, Pile) {
+    let usual = Design::default();
+    let pile = Pile {
+        tilt: usual.pile.tilt,
+        twist: usual.pile.twist,
+        stretch: usual.pile.stretch,
+        jitter: usual.pile.jitter,
+        twist_jitter: usual.pile.twist_jitter,
+        length_jitter: usual.pile.length_jitter,
+        ..design.pile.clone()
+    };
+    (usual.turbulence, pile)
+}
+
+fn reset(ui: &mut Ui, design: &mut Design) {
+    ui.add_space(3.0);
+    let (turbulence, pile) = turbulence_reset(design);
+    let differs = design.turbulence != turbulence || design.pile != pile;
+    let button = ui.add_enabled(differs, Button::new("Reset turbulence"));
+    if button
+        .on_hover_text("Everything in this panel becomes what a new towel has.")
+        .clicked()
+    {
+        (design.turbulence, design.pile) = (turbulence, pile);
+    }
+}
+
+/// What a channel is called, what it does, and how far at most with this pile.
+fn told(channel: usize, pile: &Pile) -> [String; 3] {
+    let degrees = |angle: f64| format!("± {angle:.0}°");
+    let percent = format!("± {:.0} %", 100.0 * pile.stretch);
+    let (what, reach) = match channel {
+        0 => (
+            "how far loops lean sideways, along the weft",
+            degrees(pile.tilt),
+        ),
+        1 => (
+            "how far loops lean lengthwise, along the warp",
+            degrees(pile.tilt),
+        ),
+        2 => ("how much longer or shorter loops are", percent),
+        _ => (
+            "how far loops are turned about themselves",
+            degrees(pile.twist),
+        ),
+    };
+    [CHANNELS[channel].into(), what.into(), reach]
 }
 
 fn thumbnails(ui: &mut Ui, state: &mut State, design: &Design) {
@@ -65,24 +120,49 @@ fn thumbnails(ui: &mut Ui, state: &mut State, design: &Design) {
         pitch_y_mm: sheet.pitch_y(),
     };
     let key = (geometry, design.turbulence.clone());
-    // Made when the first channel finds its key changed, then shared by the other three.
-    let mut field = None;
+    let ctx = ui.ctx().clone();
+    let made = state
+        .channels
+        .get(ui.ctx(), &key, move |(geometry, turbulence)| {
+            let field = TurbulenceField::new(geometry, turbulence);
+            std::array::from_fn(|channel| {
+                let image = picture(&field, geometry, channel);
+                ctx.load_texture(CHANNELS[channel], image, TextureOptions::NEAREST)
+            })
+        });
     let gap = ui.spacing().item_spacing.x;
     let side = ((ui.available_width() - 3.0 * gap) / 4.0).floor();
+    ui.add_space(2.0);
     ui.horizontal(|ui| {
-        for (channel, thumbnail) in state.channels.iter_mut().enumerate() {
-            let texture = thumbnail.texture(ui, CHANNELS[channel], key.clone(), |key| {
-                let field = field.get_or_insert_with(|| TurbulenceField::new(&key.0, &key.1));
-                picture(field, &key.0, channel)
-            });
+        for channel in 0..4 {
+            let [name, what, reach] = told(channel, &design.pile);
             ui.vertical(|ui| {
                 ui.spacing_mut().item_spacing.y = 1.0;
-                let name = format!("Turbulence of {}", CHANNELS[channel]);
-                show_thumbnail(ui, &texture, vec2(side, side), &name).on_hover_text(name);
-                ui.label(RichText::new(CHANNELS[channel]).small().weak());
+                let size = vec2(side, side);
+                match made {
+                    Some((_, textures)) => {
+                        let title = format!("Turbulence of {name}");
+                        show_thumbnail(ui, &textures[channel], size, &title).on_hover_text(format!(
+                            "Turbulence of {name}: {what}. Gray leaves a loop as it is, black and white move it by {reach}."
+                        ));
+                    }
+                    None => {
+                        ui.allocate_exact_size(size, Sense::hover());
+                    }
+                }
+                ui.label(RichText::new(name).small());
+                ui.label(RichText::new(reach).small().weak());
             });
         }
     });
+    if sheet.warps > MOST_CELLS || sheet.wefts > MOST_CELLS {
+        let [x, y] = [
+            f64::from(geometry.warps) * geometry.pitch_x_mm,
+            f64::from(geometry.wefts) * geometry.pitch_y_mm,
+        ];
+        let text = format!("The near left corner of the cloth, {x:.0} × {y:.0} mm.");
+        ui.label(RichText::new(text).small().weak());
+    }
 }
 
 /// One channel as gray, −1 black and 1 white, the near edge at the bottom.

@@ -169,6 +169,7 @@ fn one_camera(ui: &mut Ui, camera: &mut CameraDesign) {
         &ORTHOGRAPHIC_HEIGHT,
         &mut camera.orthographic_height,
         same_height.clamp(ORTHOGRAPHIC_HEIGHT.min, ORTHOGRAPHIC_HEIGHT.max),
+        "off",
     );
 }
 

@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
-use renderer_core::design::{CameraDesign, Design};
+use renderer_core::design::{CameraDesign, Design, Warning};
 use renderer_core::image::Display;
 use renderer_core::render::{BackendKind, Progress};
 use renderer_core::scene::{LoopCounts, Scene};
@@ -68,6 +68,8 @@ pub struct Shown {
     pub progress: Progress,
     /// Whether the newest picture is a small one, drawn for speed.
     pub is_reduced: bool,
+    /// Whether no picture, however small, shows what is wished yet.
+    pub is_unseen: bool,
     /// Whether no picture of full size shows what is wished yet.
     pub is_first: bool,
     /// What the thread is doing.
@@ -81,7 +83,7 @@ pub struct Shown {
     /// Loops of the scene.
     pub counts: LoopCounts,
     /// Things about the design and its scene that are allowed but probably not meant.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Warning>,
     /// What went wrong, until something goes right.
     pub error: Option<String>,
     /// Why something else renders than was chosen, as long as it does.
@@ -102,12 +104,31 @@ impl Shown {
 
     /// Whether the thread works towards the first picture of what is wished: somebody waits for it.
     pub fn is_busy(&self) -> bool {
+        self.hurry() != Hurry::None
+    }
+
+    /// How much somebody waits for it.
+    pub fn hurry(&self) -> Hurry {
         match self.activity {
-            Activity::Idle => false,
-            Activity::Compiling => true,
-            Activity::Rendering => self.is_first,
+            Activity::Idle => Hurry::None,
+            Activity::Compiling => Hurry::Unseen,
+            Activity::Rendering if self.is_unseen => Hurry::Unseen,
+            Activity::Rendering if self.is_first => Hurry::Small,
+            Activity::Rendering => Hurry::None,
         }
     }
+}
+
+/// How urgently the viewport needs the machine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Hurry {
+    /// What is wished can be seen in full size; it only gets clearer.
+    #[default]
+    None,
+    /// What is wished can be seen, but smaller than it should be.
+    Small,
+    /// Nothing of what is wished can be seen.
+    Unseen,
 }
 
 #[derive(Default)]

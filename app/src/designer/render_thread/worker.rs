@@ -248,6 +248,7 @@ impl<'a> Worker<'a> {
         self.publish(|shown| {
             shown.activity = Activity::Rendering;
             shown.is_first |= is_new;
+            shown.is_unseen |= is_new;
             shown.device_bytes = bytes;
             shown.error = None;
         });
@@ -301,6 +302,7 @@ impl<'a> Worker<'a> {
             shown.progress = progress;
             shown.is_reduced = is_reduced;
             shown.is_first = is_reduced;
+            shown.is_unseen = false;
             shown.seconds = seconds;
             shown.device_bytes = bytes;
         });

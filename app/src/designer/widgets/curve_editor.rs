@@ -1,10 +1,11 @@
 //! A curve through points in the unit square, to drag: x rises from point to point, ends stay at the sides.
 
 use egui::{
-    Color32, EventFilter, Key, Pos2, Rect, Response, Role, Sense, Shape, Stroke, StrokeKind, Ui,
-    WidgetInfo, pos2, vec2,
+    Color32, Key, Pos2, Rect, Response, Role, Sense, Shape, Stroke, StrokeKind, Ui, WidgetInfo,
+    pos2, vec2,
 };
 
+use super::keys::arrow_keys;
 use crate::designer::style;
 
 /// State of an editor: the point that the keyboard moves.
@@ -119,25 +120,15 @@ fn pointer(
 }
 
 fn keyboard(ui: &Ui, editor: &mut CurveEditor, curve: &mut Vec<[f64; 2]>, response: &Response) {
-    if !response.has_focus() {
+    let Some(arrows) = arrow_keys(ui, response) else {
         return;
-    }
-    let keep = EventFilter {
-        horizontal_arrows: true,
-        vertical_arrows: true,
-        ..EventFilter::default()
     };
-    ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, keep));
     let presses = |key| ui.input(|i| i.num_presses(key));
     let last = curve.len().saturating_sub(1);
     editor.selected = (editor.selected + presses(Key::PageUp)).min(last);
     editor.selected = editor.selected.saturating_sub(presses(Key::PageDown));
-    let along = |plus, minus| 0.01 * (presses(plus) as f64 - presses(minus) as f64);
-    let (dx, dy) = (
-        along(Key::ArrowRight, Key::ArrowLeft),
-        along(Key::ArrowUp, Key::ArrowDown),
-    );
-    if let (true, Some(&[x, y])) = (dx != 0.0 || dy != 0.0, curve.get(editor.selected)) {
+    let [dx, dy] = arrows.map(|presses| 0.01 * f64::from(presses));
+    if let (true, Some(&[x, y])) = (arrows != [0, 0], curve.get(editor.selected)) {
         move_to(curve, editor.selected, [x + dx, y + dy]);
     }
     if presses(Key::Delete) > 0 {

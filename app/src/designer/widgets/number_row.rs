@@ -1,12 +1,12 @@
 //! A number of a design: slider, typed value and unit, from the field's own table; a double click resets it.
 
 use egui::emath::Numeric;
-use egui::{
-    Button, DragValue, PointerButton, Response, RichText, Sense, Slider, SliderClamping, Ui, vec2,
-};
+use egui::{DragValue, PointerButton, Response, RichText, Sense, Slider, SliderClamping, Ui, vec2};
 use renderer_core::design::Field;
 use renderer_core::sampling::hash;
 
+use super::icon::Icon;
+use super::icon_button::IconButton;
 use super::row::{fixed_text, label_of, row};
 use crate::designer::style::{ROW_HEIGHT, UNIT_WIDTH, VALUE_WIDTH};
 
@@ -17,13 +17,14 @@ pub fn number<N: Numeric>(ui: &mut Ui, field: &Field, value: &mut N) {
     });
 }
 
-/// Row with a check box that gives the value at all, for fields that a design may leave out.
+/// Row with a check box that gives the value at all, for fields that a design may leave out; `otherwise` says what is then.
 pub fn optional_number(
     ui: &mut Ui,
     name: &str,
     field: &Field,
     value: &mut Option<f64>,
     start: f64,
+    otherwise: &str,
 ) {
     row(ui, name, &tooltip(field), |ui, label| {
         let mut on = value.is_some();
@@ -34,7 +35,7 @@ pub fn optional_number(
         if let Some(value) = value {
             number_value(ui, field, value).labelled_by(label.id);
         } else {
-            ui.weak("off");
+            ui.weak(otherwise);
         }
     });
 }
@@ -59,10 +60,10 @@ fn number_with_slider<N: Numeric>(ui: &mut Ui, field: &Field, value: &mut N, lab
     let mut reset = label.double_clicked();
     if field.max - field.min > LARGEST_SLIDER {
         let (rect, _) = ui.allocate_exact_size(vec2(slider_width, ROW_HEIGHT), Sense::hover());
-        let roll = ui.place(rect.with_max_x(rect.left() + 44.0), Button::new("Roll"));
         let name = format!("Roll {}", label_of(field.name).to_lowercase());
-        let roll = roll.accessible_name(name);
-        if roll.on_hover_text("Takes another number.").clicked() {
+        let roll = IconButton::new(Icon::Dice, &name, "Rolls the dice: takes another number.");
+        let roll = ui.place(rect.with_max_x(rect.left() + ROW_HEIGHT + 3.0), roll);
+        if roll.clicked() {
             let another = hash(value.to_f64() as u32) % ROLL_BELOW;
             *value = N::from_f64(f64::from(another).clamp(field.min, field.max));
         }

@@ -1,6 +1,8 @@
 //! A row of a panel: a label in a column of fixed width, then a control; and the headings between rows.
 
-use egui::{Align, Label, Layout, Response, RichText, Sense, Sides, Ui, UiBuilder, vec2};
+use egui::{
+    Align, CollapsingHeader, Label, Layout, Response, RichText, Sense, Ui, UiBuilder, vec2,
+};
 
 use crate::designer::style::{LABEL_WIDTH, ROW_HEIGHT};
 
@@ -26,17 +28,16 @@ pub fn row<R>(
 
 /// A quiet heading inside a panel.
 pub fn subheading(ui: &mut Ui, text: &str) {
-    subheading_with(ui, text, |_| {});
+    ui.add_space(5.0);
+    ui.label(RichText::new(text).small().strong());
 }
 
-/// A quiet heading with controls at its right end, for parts of a list.
-pub fn subheading_with(ui: &mut Ui, text: &str, controls: impl FnOnce(&mut Ui)) {
-    ui.add_space(5.0);
-    Sides::new().show(
-        ui,
-        |ui| ui.label(RichText::new(text).small().strong()),
-        controls,
-    );
+/// Rows that are seldom needed, hidden until their heading is clicked.
+pub fn more(ui: &mut Ui, heading: &str, rows: impl FnOnce(&mut Ui)) {
+    ui.add_space(3.0);
+    CollapsingHeader::new(RichText::new(heading).small().strong())
+        .id_salt(heading)
+        .show_unindented(ui, rows);
 }
 
 /// Text in a column of fixed width; a column that grew with its text would widen the whole panel.
@@ -48,10 +49,30 @@ pub fn fixed_text(ui: &mut Ui, width: f32, text: RichText) {
     ui.new_child(place).add(Label::new(text).truncate());
 }
 
-/// What a user reads for the name of a field in a file: `yarn_diameter` is "Yarn diameter".
+/// What a user reads for the name of a field in a file: `yarn_diameter` is "Yarn diameter", and names that only those who
+/// write files know have plainer words.
 pub fn label_of(field: &str) -> String {
-    if field == "fov" {
-        return "Angle of view".into();
+    let plain = match field {
+        "fov" => "Angle of view",
+        "min" => "Shortest",
+        "max" => "Longest",
+        "value" => "Length",
+        "base_width" => "Root width",
+        "root_blend" => "Root fade",
+        "variants" => "Different loops",
+        "lean_x" => "Lean sideways",
+        "lean_y" => "Lean lengthwise",
+        "jitter" => "Lean jitter",
+        "max_albedo" => "Whiteness",
+        "frequency" => "Clumps per mm",
+        "lacunarity" => "Octave fineness",
+        "gain" => "Octave strength",
+        "irradiance" => "Strength",
+        "radiance" => "Brightness",
+        _ => "",
+    };
+    if !plain.is_empty() {
+        return plain.into();
     }
     let mut label = field.replace('_', " ");
     if let Some(first) = label.get_mut(0..1) {

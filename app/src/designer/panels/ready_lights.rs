@@ -1,0 +1,106 @@
+//! Lights to begin with: a press replaces suns and surroundings, one step of the history. The background stays.
+
+use egui::{Button, Ui};
+use renderer_core::design::{Colour, Environment, EnvironmentKind, Light, Sun};
+
+/// A light by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ReadyLight {
+    /// A high hard sun under a blue sky.
+    Noon,
+    /// Soft light from one side, as in a room.
+    Window,
+    /// Two large soft lights, as for a catalogue.
+    Softbox,
+    /// A low warm sun.
+    Evening,
+}
+
+impl ReadyLight {
+    /// All of them, in the order of the buttons.
+    pub const ALL: [Self; 4] = [Self::Noon, Self::Window, Self::Softbox, Self::Evening];
+
+    /// What the button says.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Noon => "Noon",
+            Self::Window => "Window",
+            Self::Softbox => "Studio softbox",
+            Self::Evening => "Evening",
+        }
+    }
+
+    fn what(self) -> &'static str {
+        match self {
+            Self::Noon => "A high, hard sun under a blue sky: sharp shadows between the loops.",
+            Self::Window => "Soft light from the left, as in a room by day.",
+            Self::Softbox => {
+                "A large soft light and a weaker one opposite, as for a catalogue: even, hardly any shadow."
+            }
+            Self::Evening => "A low, warm sun from the side: every loop throws a long shadow.",
+        }
+    }
+
+    /// `light` with these suns and surroundings.
+    pub fn applied_to(self, light: &Light) -> Light {
+        let sky = |radiance, zenith, horizon, ground| Environment {
+            kind: EnvironmentKind::Gradient,
+            radiance,
+            zenith: Colour(zenith),
+            horizon: Colour(horizon),
+            ground: Colour(ground),
+            ..Environment::default()
+        };
+        let sun = |[azimuth, elevation, irradiance, angular_diameter]: [f64; 4], colour| Sun {
+            azimuth,
+            elevation,
+            irradiance,
+            angular_diameter,
+            colour: Colour(colour),
+        };
+        let (suns, environment) = match self {
+            Self::Noon => (
+                vec![sun([110.0, 68.0, 2.6, 0.5], [255, 250, 240])],
+                sky(0.45, [150, 190, 255], [235, 242, 255], [120, 112, 100]),
+            ),
+            Self::Window => (
+                vec![sun([180.0, 30.0, 2.2, 50.0], [240, 246, 255])],
+                sky(0.3, [255, 250, 242], [255, 246, 232], [150, 140, 128]),
+            ),
+            Self::Softbox => (
+                vec![
+                    sun([135.0, 55.0, 1.8, 60.0], [255, 255, 255]),
+                    sun([-40.0, 40.0, 0.8, 60.0], [255, 255, 255]),
+                ],
+                sky(0.35, [255, 255, 255], [255, 255, 255], [200, 200, 200]),
+            ),
+            Self::Evening => (
+                vec![sun([200.0, 15.0, 4.5, 2.0], [255, 196, 134])],
+                sky(0.6, [110, 140, 210], [255, 214, 170], [90, 84, 80]),
+            ),
+        };
+        Light {
+            sun: suns,
+            environment,
+            background: light.background,
+        }
+    }
+}
+
+/// A line of buttons; true when one was pressed.
+pub fn show(ui: &mut Ui, light: &mut Light) -> bool {
+    let mut pressed = None;
+    ui.horizontal_wrapped(|ui| {
+        for ready in ReadyLight::ALL {
+            let is_on = ready.applied_to(light) == *light;
+            let button = ui.add(Button::new(ready.name()).selected(is_on));
+            if button.on_hover_text(ready.what()).clicked() {
+                pressed = Some(ready);
+            }
+        }
+    });
+    if let Some(ready) = pressed {
+        *light = ready.applied_to(light);
+    }
+    pressed.is_some()
+}

@@ -295,7 +295,7 @@ pub(super) fn read_bundle(path: &Path) -> Result<Unpacked, FileError> {
 
 /// Unpacks the preset of an archive and those of its members that it names.
 pub(super) fn unpack(archive: &[u8]) -> Result<Unpacked, String> {
-    let archive = Archive::open(archive)?;
+    let mut archive = Archive::open(archive)?;
     let text = archive
         .read(PRESET, LARGEST_PRESET as usize)?
         .ok_or_else(|| format!("is no bundle: it has no {PRESET}"))?;

@@ -3,6 +3,7 @@
 //!
 //! Longer than most files because one window is driven: its panels, gestures and dialogs share one set of helpers.
 
+mod chart;
 mod light;
 mod loops;
 mod rendering;

@@ -80,6 +80,9 @@ pub fn menu(ui: &mut Ui, document: &Document, viewport: &Viewport, commands: &mu
                 Command::Redo,
                 commands,
             );
+            ui.separator();
+            item(ui, "Paste chart", true, Command::PasteChart, commands);
+            item(ui, "Chart editor", true, Command::EditChart, commands);
         });
         ui.menu_button("View", |ui| view_menu(ui, document, viewport, commands));
         ui.menu_button("Help", |ui| {

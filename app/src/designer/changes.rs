@@ -102,11 +102,17 @@ fn chart(before: &Design, after: &Design) -> Option<String> {
     if a == b {
         return None;
     }
-    let name = match (a.pixels == b.pixels, b.pixels.is_some()) {
-        (false, true) => "open chart",
-        (false, false) => "clear chart",
-        (true, _) if a.colour != b.colour => "cloth colour",
-        (true, _) => "chart layout",
+    let name = match (&a.pixels, &b.pixels) {
+        (None, Some(_)) => "open chart",
+        (Some(_), None) => "clear chart",
+        // What has a path was read from there.
+        (Some(before), Some(after)) if before != after => match b.image {
+            Some(_) => "open chart",
+            None => "painted chart",
+        },
+        _ if a.colour != b.colour => "cloth colour",
+        _ if (a.offset_x, a.offset_y) != (b.offset_x, b.offset_y) => "place of the chart",
+        _ => "chart layout",
     };
     Some(name.into())
 }

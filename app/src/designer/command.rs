@@ -32,6 +32,10 @@ pub enum Command {
     Redo,
     /// Ask for a chart image.
     OpenChart,
+    /// Make the image in the clipboard the chart.
+    PasteChart,
+    /// Open or close the chart editor.
+    EditChart,
     /// Use this chart image.
     UseChart(PathBuf),
     /// Ask for an image of the surroundings.

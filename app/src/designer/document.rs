@@ -37,6 +37,8 @@ pub struct Document {
     pub own_chart: Option<OwnChart>,
     undo: Vec<Step>,
     redo: Vec<Step>,
+    /// What the step that is under way is to be called.
+    step_name: Option<String>,
 }
 
 impl Document {
@@ -60,6 +62,7 @@ impl Document {
             own_chart: None,
             undo: Vec::new(),
             redo: Vec::new(),
+            step_name: None,
         }
     }
 
@@ -87,6 +90,11 @@ impl Document {
         self.path = Some(path);
     }
 
+    /// Names the step that the change just made belongs to, where the designs before and after do not tell.
+    pub fn name_step(&mut self, name: String) {
+        self.step_name = Some(name);
+    }
+
     /// Makes a finished gesture a step of the history. To be called after every frame; while a gesture goes on
     /// (a pointer or key is down, text is being typed) nothing happens.
     pub fn settle(&mut self, gesture_goes_on: bool) {
@@ -94,6 +102,7 @@ impl Document {
             return;
         }
         self.share_tiles();
+        let name = self.step_name.take();
         if self.design == self.settled {
             return;
         }
@@ -102,7 +111,7 @@ impl Document {
             pixels.bytes_beside(self.design.chart.pixels.as_ref())
         });
         self.undo.push(Step {
-            name: changes::describe(&before, &self.design),
+            name: name.unwrap_or_else(|| changes::describe(&before, &self.design)),
             design: before,
             bytes,
         });

@@ -12,6 +12,7 @@
 mod bars;
 pub mod camera_moves;
 mod changes;
+mod chart_editor;
 mod command;
 mod dialogs;
 mod display_table;
@@ -23,6 +24,7 @@ pub mod length_pictures;
 mod live_light;
 mod notices;
 pub mod panels;
+mod paste;
 mod preset_list;
 mod render_thread;
 mod renderer;
@@ -61,6 +63,9 @@ use small_pictures::SmallPictures;
 use tasks::Task;
 use viewport::Viewport;
 
+/// Width beside the panels from which the presets stay while the chart editor is open, points.
+const ROOM_FOR_PRESETS: f32 = 1100.0;
+
 /// What the designer starts with.
 pub struct Setup {
     /// Preset to open.
@@ -92,6 +97,8 @@ pub struct App {
     /// What to do once the design is saved.
     after_saving: Option<Command>,
     is_quitting: bool,
+    /// Frames left to wait for what the clipboard was asked for.
+    pasting: Option<u32>,
     help_is_open: bool,
     title: String,
     commands: Vec<Command>,
@@ -168,6 +175,7 @@ impl App {
             asked: None,
             after_saving: None,
             is_quitting: false,
+            pasting: None,
             help_is_open: false,
             title: String::new(),
             commands: Vec::new(),
@@ -226,6 +234,7 @@ impl App {
         });
         let faults = self.document.design.faults();
         let warnings = self.viewport.shown().warnings.clone();
+        let mut step_name = None;
         Panel::left("document")
             .frame(side)
             .resizable(true)
@@ -238,18 +247,38 @@ impl App {
                     camera: &self.viewport.camera,
                     commands: &mut commands,
                     small_pictures: &mut self.small_pictures,
+                    step_name: &mut step_name,
                 };
                 let design = &mut self.document.design;
                 self.panels.show(ui, design, &mut around);
             });
-        Panel::right("presets")
-            .frame(side)
-            .resizable(true)
-            .default_size(186.0)
-            .size_range(140.0..=320.0)
-            .show(ui, |ui| {
-                self.presets.show(ui, self.document.path(), &mut commands);
-            });
+        // In a small window the chart editor and the cloth need the room.
+        if !self.panels.chart_editor_is_open() || ui.available_width() > ROOM_FOR_PRESETS {
+            Panel::right("presets")
+                .frame(side)
+                .resizable(true)
+                .default_size(186.0)
+                .size_range(140.0..=320.0)
+                .show(ui, |ui| {
+                    self.presets.show(ui, self.document.path(), &mut commands);
+                });
+        }
+        if self.panels.chart_editor_is_open() {
+            let room = ui.available_width();
+            Panel::left("chart editor")
+                .frame(side.inner_margin(Margin::symmetric(8, 6)))
+                .resizable(true)
+                .default_size((room * 0.6).floor())
+                .size_range(320.0..=(room - 120.0).max(321.0))
+                .show(ui, |ui| {
+                    let design = &mut self.document.design;
+                    let named = self.panels.show_chart_editor(ui, design);
+                    step_name = named.or(step_name.take());
+                });
+        }
+        if let Some(name) = step_name {
+            self.document.name_step(name);
+        }
         CentralPanel::no_frame().show(ui, |ui| self.show_viewport(ui));
         self.commands = commands;
     }
@@ -259,6 +288,12 @@ impl App {
         // The panels may just have changed the design.
         let faults = self.document.design.faults();
         let design = &self.document.design;
+        let tried_out = self.panels.chart_preview(&design.chart).map(|pixels| {
+            let mut design = design.clone();
+            design.chart.pixels = Some(pixels.clone());
+            design
+        });
+        let design = tried_out.as_ref().unwrap_or(design);
         self.viewport.show(ui, design, faults.is_empty());
         let messages = UiBuilder::new().max_rect(rect.shrink2(egui::vec2(12.0, 8.0)));
         ui.scope_builder(messages, |ui| {
@@ -295,6 +330,7 @@ impl eframe::App for App {
         self.small_pictures.give_way(self.viewport.shown().hurry());
         self.take_loaded();
         self.take_dropped_files(&ctx);
+        self.take_pasted(&ctx);
         let is_asking = self.dialogs.is_browsing() || self.asked.is_some();
         if !is_asking {
             command::take_shortcuts(&ctx, &mut self.commands);

@@ -48,6 +48,8 @@ impl App {
                 self.dialogs.ask(Purpose::OpenChart, &folder, "", ctx);
             }
             Command::UseChart(path) => self.load_chart(ctx, path),
+            Command::PasteChart => self.ask_to_paste(ctx),
+            Command::EditChart => self.panels.toggle_chart_editor(),
             Command::OpenEnvironment => {
                 let folder = self.folder();
                 self.dialogs.ask(Purpose::OpenEnvironment, &folder, "", ctx);

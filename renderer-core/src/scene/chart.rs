@@ -40,6 +40,25 @@ impl<'a> ChartOnSheet<'a> {
         self.chart.pixels.is_none()
     }
 
+    /// The cell under the middle of the texel at column `x`, row `y` of a chart that lies on the cloth once; `None` beside the
+    /// cloth, and for charts that repeat.
+    pub fn cell_under(&self, image: &ChartImage, [x, y]: [usize; 2]) -> Option<[usize; 2]> {
+        let [warps, wefts] = self.cells;
+        match self.chart.fit {
+            Fit::Stretch => Some([
+                (2 * x + 1) * warps / (2 * image.width()),
+                wefts - 1 - (2 * y + 1) * wefts / (2 * image.height()),
+            ]),
+            Fit::Tile => None,
+            Fit::Place => {
+                let [left, top] = placed_corner(self.chart, image, self.cells);
+                let i = usize::try_from(x as i64 + left).ok()?;
+                let from_top = usize::try_from(y as i64 + top).ok()?;
+                (i < warps && from_top < wefts).then(|| [i, wefts - 1 - from_top])
+            }
+        }
+    }
+
     /// Column and row (from the top) of the texel of cell (i, j); `None` beside a chart that is placed.
     pub fn texel(&self, image: &ChartImage, i: usize, j: usize) -> Option<[usize; 2]> {
         let [warps, wefts] = self.cells;

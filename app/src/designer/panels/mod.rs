@@ -16,8 +16,9 @@ mod turbulence;
 mod view_quality;
 
 use egui::{CollapsingHeader, RichText, ScrollArea, Ui};
-use renderer_core::design::{CameraDesign, Design, Fault, Warning};
+use renderer_core::design::{CameraDesign, Chart, ChartImage, Design, Fault, Warning};
 
+pub use chart::yarn_name;
 pub use ready_lights::ReadyLight;
 pub use turbulence::turbulence_reset;
 
@@ -43,6 +44,8 @@ pub struct Surroundings<'a> {
     pub warnings: &'a [Warning],
     /// The camera of the viewport.
     pub camera: &'a CameraDesign,
+    /// What the history is to call what a panel changes, where the designs before and after do not tell.
+    pub step_name: &'a mut Option<String>,
     /// Where panels put what they ask for.
     pub commands: &'a mut Vec<Command>,
     /// Draws thumbnails.
@@ -69,13 +72,34 @@ impl Panels {
         TITLES.iter().map(|Title(title, ..)| *title)
     }
 
+    /// Whether the chart editor is open.
+    pub fn chart_editor_is_open(&self) -> bool {
+        self.chart.editor.is_open
+    }
+
+    /// Opens or closes the chart editor.
+    pub fn toggle_chart_editor(&mut self) {
+        self.chart.editor.is_open ^= true;
+    }
+
+    /// Shows the chart editor. Returns what the history is to call a change made there.
+    pub fn show_chart_editor(&mut self, ui: &mut Ui, design: &mut Design) -> Option<String> {
+        let (editor, counts) = self.chart.editor_and_counts();
+        editor.show(ui, design, counts)
+    }
+
+    /// The chart that the cloth shows instead of the design's, while it is tried out.
+    pub fn chart_preview(&self, chart: &Chart) -> Option<&ChartImage> {
+        self.chart.preview(chart)
+    }
+
     /// Shows all panels.
     pub fn show(&mut self, ui: &mut Ui, design: &mut Design, around: &mut Surroundings<'_>) {
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             for (index, title) in TITLES.iter().enumerate() {
                 section(ui, title, around, |ui, around| match index {
                     0 => sheet_weave::show(ui, &mut self.sheet_weave, design),
-                    1 => chart::show(ui, &mut self.chart, &mut design.chart, around),
+                    1 => chart::show(ui, &mut self.chart, design, around),
                     2 => loop_length::show(ui, &mut self.loop_length, design),
                     3 => pile::show(ui, &mut self.pile, design, around),
                     4 => turbulence::show(ui, &mut self.turbulence, design),

@@ -1,6 +1,6 @@
 //! Rows for things that are not numbers: one of several choices, yes or no, a colour.
 
-use egui::{ComboBox, TextEdit, Ui};
+use egui::{ComboBox, Response, TextEdit, Ui};
 use renderer_core::design::{
     Back, Colour, EnvironmentKind, Filter, Fit, Interpolation, LengthMap, Method, NoiseKind, Phase,
     PileKind, Sampler, SkeletonHeight, SkeletonShading, ToneMap,
@@ -59,15 +59,20 @@ pub fn check(ui: &mut Ui, name: &str, what: &str, value: &mut bool) {
 /// Row with a colour: a button that opens a picker, and the colour as text.
 pub fn colour(ui: &mut Ui, name: &str, what: &str, value: &mut Colour) {
     row(ui, name, what, |ui, label| {
-        ui.color_edit_button_srgb(&mut value.0)
-            .labelled_by(label.id)
-            .on_hover_text(what);
-        hex(ui, value).labelled_by(label.id);
+        colour_value(ui, what, value, label);
     });
 }
 
+/// The controls of a colour without their row, named by `label`.
+pub fn colour_value(ui: &mut Ui, what: &str, value: &mut Colour, label: &Response) {
+    ui.color_edit_button_srgb(&mut value.0)
+        .labelled_by(label.id)
+        .on_hover_text(what);
+    hex(ui, value).labelled_by(label.id);
+}
+
 /// A colour as text, `#rrggbb`, taken over when it reads as a colour.
-fn hex(ui: &mut Ui, value: &mut Colour) -> egui::Response {
+fn hex(ui: &mut Ui, value: &mut Colour) -> Response {
     let id = ui.next_auto_id().with("text");
     let mut text = ui
         .data(|data| data.get_temp::<String>(id))

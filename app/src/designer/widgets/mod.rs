@@ -12,7 +12,7 @@ mod row;
 pub mod shapes;
 mod thumbnail;
 
-pub use choice_row::{Choice, check, choice, colour};
+pub use choice_row::{Choice, check, choice, colour, colour_value};
 pub use curve_editor::{CurveEditor, curve_editor};
 pub use file_browser::{Browsed, FileBrowser, FileKind};
 pub use grid_editor::{GridAccess, GridCell, GridEditor, GridTool, GridView, grid_editor};

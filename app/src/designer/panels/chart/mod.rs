@@ -1,0 +1,271 @@
+//! Chart: the image that colours the loops, how it lies on the cloth, its yarns, and the way to the chart editor.
+
+mod reduce;
+mod yarns;
+
+use egui::{Color32, ColorImage, DragValue, Stroke, Ui, vec2};
+use renderer_core::design::chart_edit::YarnCounts;
+use renderer_core::design::{Chart, ChartImage, Design, Fit, OPAQUE_FROM, Sheet};
+
+pub use yarns::yarn_name;
+
+use super::Surroundings;
+use crate::designer::chart_editor::ChartEditor;
+use crate::designer::command::Command;
+use crate::designer::widgets::{Thumbnail, check, choice, colour, row, show_thumbnail};
+
+/// Picture of the chart, its yarns, and the editor.
+#[derive(Default)]
+pub struct State {
+    thumbnail: Thumbnail<Picture>,
+    shows_grid: bool,
+    yarns: yarns::State,
+    reduce: reduce::State,
+    /// The editor, which stands beside the viewport.
+    pub editor: ChartEditor,
+}
+
+impl State {
+    /// The yarns of the chart, counted.
+    pub fn editor_and_counts(&mut self) -> (&mut ChartEditor, &mut YarnCounts) {
+        (&mut self.editor, &mut self.yarns.counts)
+    }
+
+    /// The chart that the cloth shows instead of the design's, while it is tried out.
+    pub fn preview(&self, chart: &Chart) -> Option<&ChartImage> {
+        self.reduce.preview(chart)
+    }
+}
+
+/// An image by its place in memory: comparing pixels every frame would take longer than making the picture.
+struct Picture(ChartImage);
+
+impl PartialEq for Picture {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.is(&other.0)
+    }
+}
+
+/// Largest side of the picture of the chart, points.
+const SIDE: usize = 132;
+/// Lines of the yarn grid over the picture are at least this far apart, points.
+const GRID_FROM: f32 = 4.0;
+
+/// Shows the panel.
+pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design, around: &mut Surroundings<'_>) {
+    files(ui, &mut design.chart, around);
+    if design.chart.pixels.is_some() {
+        picture(ui, state, &design.chart, &design.sheet);
+    }
+    if design.chart.pixels.is_none() {
+        ui.horizontal(|ui| edit_button(ui, &mut state.editor));
+    }
+    layout(ui, &mut design.chart);
+    let chart = &mut design.chart;
+    let mut name = yarns::show(ui, &mut state.yarns, chart);
+    if let Some(named) = reduce::show(ui, &mut state.reduce, chart) {
+        name = Some(named);
+    }
+    if name.is_some() {
+        *around.step_name = name;
+    }
+}
+
+fn files(ui: &mut Ui, chart: &mut Chart, around: &mut Surroundings<'_>) {
+    ui.horizontal(|ui| {
+        let open = ui.button("Open chart…");
+        if open
+            .on_hover_text("Chooses an image; one can also be dropped on the window.")
+            .clicked()
+        {
+            around.commands.push(Command::OpenChart);
+        }
+        let paste = ui.button("Paste").accessible_name("Paste chart");
+        if paste
+            .on_hover_text("Makes the image in the clipboard the chart (Ctrl+V).")
+            .clicked()
+        {
+            around.commands.push(Command::PasteChart);
+        }
+        let clear = ui.add_enabled(chart.pixels.is_some(), egui::Button::new("Clear chart"));
+        if clear
+            .on_hover_text("Removes the image; all loops have one colour again.")
+            .clicked()
+        {
+            chart.pixels = None;
+            chart.image = None;
+        }
+    });
+}
+
+fn edit_button(ui: &mut Ui, editor: &mut ChartEditor) {
+    let edit = egui::Button::selectable(editor.is_open, "Edit chart…").frame_when_inactive(true);
+    let edit = ui.add(edit).accessible_name("Edit chart");
+    if edit
+        .on_hover_text(
+            "Opens the chart beside the cloth: paint, crop, turn and scale it, loop by loop.",
+        )
+        .clicked()
+    {
+        editor.is_open = !editor.is_open;
+    }
+}
+
+/// The picture, with what there is to say about it beside.
+fn picture(ui: &mut Ui, state: &mut State, chart: &Chart, sheet: &Sheet) {
+    let Some(image) = &chart.pixels else { return };
+    let shown = state.reduce.preview(chart).unwrap_or(image).clone();
+    let (width, height) = (shown.width(), shown.height());
+    let shrink = (SIDE as f32 / width.max(height) as f32).min(8.0);
+    let size = vec2(width as f32, height as f32) * shrink;
+    let texture = state
+        .thumbnail
+        .texture(ui, "chart", Picture(shown), |Picture(image)| reduced(image));
+    ui.add_space(2.0);
+    ui.horizontal_top(|ui| {
+        let size = size.max(vec2(4.0, 4.0));
+        let rect = show_thumbnail(ui, &texture, size, "Chart image").rect;
+        if state.shows_grid {
+            grid(ui, rect, chart, sheet, image);
+        }
+        ui.vertical(|ui| {
+            let path = chart.image.as_deref().unwrap_or("painted here");
+            let name = std::path::Path::new(path)
+                .file_name()
+                .map_or_else(|| path.into(), |name| name.to_string_lossy());
+            let text = format!("{name}, {width} × {height} px");
+            ui.add(egui::Label::new(egui::RichText::new(text).weak()).wrap())
+                .on_hover_text(path);
+            edit_button(ui, &mut state.editor);
+            ui.checkbox(&mut state.shows_grid, "Grid").on_hover_text(
+                "Lines between the crossings of the cloth, or every tenth or hundredth of them.",
+            );
+        });
+    });
+}
+
+/// Lines between crossings, of as many as fit.
+fn grid(ui: &Ui, rect: egui::Rect, chart: &Chart, sheet: &Sheet, image: &ChartImage) {
+    let cells = match chart.fit {
+        Fit::Stretch => [sheet.warps as f32, sheet.wefts as f32],
+        Fit::Tile | Fit::Place => [image.width() as f32, image.height() as f32],
+    };
+    let stroke = Stroke::new(1.0, Color32::from_black_alpha(120));
+    for (axis, cells) in cells.into_iter().enumerate() {
+        let distance = rect.size()[axis] / cells;
+        let every = [1.0, 10.0, 100.0, 1000.0].into_iter();
+        let Some(every) = every
+            .into_iter()
+            .find(|every| distance * every >= GRID_FROM)
+        else {
+            continue;
+        };
+        for k in 1..(cells / every).ceil() as usize {
+            let at = rect.min[axis] + k as f32 * distance * every;
+            if axis == 0 {
+                ui.painter().vline(at, rect.y_range(), stroke);
+            } else {
+                ui.painter().hline(rect.x_range(), at, stroke);
+            }
+        }
+    }
+}
+
+/// How the chart lies on the cloth.
+fn layout(ui: &mut Ui, chart: &mut Chart) {
+    let has_image = chart.pixels.is_some();
+    if has_image {
+        ui.add_space(4.0);
+        choice(
+            ui,
+            "Fit",
+            "How the chart's pixels are laid over the loops.",
+            &mut chart.fit,
+        );
+    }
+    if !has_image || chart.fit == Fit::Place {
+        let (label, what) = if has_image {
+            (
+                "Around it",
+                "Colour of the cloth around the chart and where it is transparent.",
+            )
+        } else {
+            ("Colour", "Colour of all loops where there is no image.")
+        };
+        colour(ui, label, what, &mut chart.colour);
+    }
+    if !has_image {
+        return;
+    }
+    match chart.fit {
+        Fit::Stretch => {}
+        Fit::Tile => {
+            check(
+                ui,
+                "Mirror x",
+                "Every second repeat along the weft is mirrored.",
+                &mut chart.mirror_x,
+            );
+            check(
+                ui,
+                "Mirror y",
+                "Every second repeat along the warp is mirrored.",
+                &mut chart.mirror_y,
+            );
+            check(
+                ui,
+                "Half drop",
+                "Every second column of repeats is shifted by half a repeat.",
+                &mut chart.half_drop,
+            );
+        }
+        Fit::Place => {
+            let fields = Chart::FIELDS;
+            for (field, value) in [
+                (&fields.offset_x, &mut chart.offset_x),
+                (&fields.offset_y, &mut chart.offset_y),
+            ] {
+                let label = crate::designer::widgets::label_of(field.name);
+                row(ui, &label, field.what, |ui, label| {
+                    ui.add(
+                        DragValue::new(value)
+                            .range(field.min..=field.max)
+                            .speed(0.3),
+                    )
+                    .labelled_by(label.id)
+                    .on_hover_text(field.what);
+                    ui.weak(field.unit);
+                });
+            }
+            let what = "Puts the chart into the middle of the cloth.";
+            row(ui, "", what, |ui, _| {
+                let centred = (chart.offset_x, chart.offset_y) == (0, 0);
+                let centre = ui.add_enabled(!centred, egui::Button::new("Centre"));
+                if centre
+                    .accessible_name("Centre chart")
+                    .on_hover_text(what)
+                    .clicked()
+                {
+                    (chart.offset_x, chart.offset_y) = (0, 0);
+                }
+            });
+        }
+    }
+}
+
+/// The chart at twice the shown size at most: of a large one every nth pixel. What is bare is grey.
+fn reduced(image: &ChartImage) -> ColorImage {
+    let step = image.width().max(image.height()).div_ceil(2 * SIDE);
+    let size = [image.width().div_ceil(step), image.height().div_ceil(step)];
+    let pixels = (0..size[0] * size[1])
+        .map(|k| {
+            let [r, g, b, alpha] = image.pixel(k % size[0] * step, k / size[0] * step);
+            if alpha < OPAQUE_FROM {
+                Color32::from_gray(0x98)
+            } else {
+                Color32::from_rgb(r, g, b)
+            }
+        })
+        .collect();
+    ColorImage::new(size, pixels)
+}

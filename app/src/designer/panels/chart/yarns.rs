@@ -1,0 +1,200 @@
+//! The yarns of a chart: how much of it each is, other colours for them, and making two of them one.
+
+use egui::{Color32, RichText, ScrollArea, Sense, Ui, vec2};
+use renderer_core::design::chart_edit::{BARE, YarnCount, YarnCounts, replace_yarn};
+use renderer_core::design::{Chart, ChartImage, Colour};
+
+use crate::designer::chart_editor::work::put;
+use crate::designer::widgets::{colour_value, row, subheading};
+
+/// Height of the list before it scrolls, points.
+const LIST_HEIGHT: f32 = 220.0;
+
+/// What is remembered of the yarns.
+#[derive(Default)]
+pub struct State {
+    /// The yarns of the chart.
+    pub counts: YarnCounts,
+    /// A yarn whose colour is being changed.
+    recolouring: Option<Recolouring>,
+}
+
+/// Changing a colour goes on for many frames, through colours that other yarns may have: so it always starts from what was
+/// there before.
+struct Recolouring {
+    before: ChartImage,
+    yarns: Vec<YarnCount>,
+    /// Which of them.
+    index: usize,
+    to: [u8; 4],
+}
+
+/// What a yarn is called: by its place in the list and its colour.
+pub fn yarn_name(index: usize, colour: [u8; 4]) -> String {
+    let [r, g, b, _] = colour;
+    format!("yarn {}, {}", index + 1, String::from(Colour([r, g, b])))
+}
+
+/// Shows the list. Returns what the history is to call a change made here.
+pub fn show(ui: &mut Ui, state: &mut State, chart: &mut Chart) -> Option<String> {
+    let image = chart.pixels.clone()?;
+    if !ui.input(|i| i.pointer.any_down()) {
+        state.recolouring = None;
+    }
+    let yarns = match &state.recolouring {
+        Some(recolouring) => {
+            let mut yarns = recolouring.yarns.clone();
+            yarns[recolouring.index].colour = recolouring.to;
+            Some(yarns)
+        }
+        None => state.counts.of(&image).map(<[YarnCount]>::to_vec),
+    };
+    let Some(yarns) = yarns else {
+        subheading(ui, "Yarns");
+        ui.weak(format!(
+            "More than {} colours. Reduce the chart to the yarns you weave with.",
+            YarnCounts::MOST
+        ));
+        return None;
+    };
+    let count = yarns.iter().filter(|yarn| yarn.colour != BARE).count();
+    subheading(
+        ui,
+        &match count {
+            1 => "1 yarn".into(),
+            count => format!("{count} yarns"),
+        },
+    );
+    let pixels = (image.width() * image.height()) as f64;
+    let mut name = None;
+    ScrollArea::vertical()
+        .id_salt("yarns")
+        .max_height(LIST_HEIGHT)
+        .auto_shrink([false, true])
+        .show(ui, |ui| {
+            let mut number = 0;
+            for (index, yarn) in yarns.iter().enumerate() {
+                let label = if yarn.colour == BARE {
+                    "Bare".into()
+                } else {
+                    number += 1;
+                    format!("Yarn {number}")
+                };
+                let share = share_text(yarn.pixels as f64 / pixels);
+                let named = ui.push_id(index, |ui| {
+                    let place = Place {
+                        index,
+                        label: &label,
+                        share: &share,
+                    };
+                    yarn_row(ui, state, chart, &image, &yarns, &place)
+                });
+                name = named.inner.or(name.take());
+            }
+        });
+    name
+}
+
+/// `43 %`, `0.2 %`, `< 0.1 %`.
+fn share_text(share: f64) -> String {
+    match 100.0 * share {
+        percent if percent >= 10.0 => format!("{percent:.0} %"),
+        percent if percent >= 0.1 => format!("{percent:.1} %"),
+        _ => "< 0.1 %".into(),
+    }
+}
+
+struct Place<'a> {
+    index: usize,
+    label: &'a str,
+    share: &'a str,
+}
+
+fn yarn_row(
+    ui: &mut Ui,
+    state: &mut State,
+    chart: &mut Chart,
+    image: &ChartImage,
+    yarns: &[YarnCount],
+    place: &Place<'_>,
+) -> Option<String> {
+    let yarn = yarns[place.index];
+    let what = "Colour of this yarn; all its loops change with it.";
+    row(
+        ui,
+        &format!("{}  {}", place.label, place.share),
+        what,
+        |ui, label| {
+            let mut name = None;
+            if yarn.colour == BARE {
+                ui.label(RichText::new("no loops stand here").weak());
+            } else {
+                let [r, g, b, _] = yarn.colour;
+                let mut colour = Colour([r, g, b]);
+                colour_value(ui, what, &mut colour, label);
+                let Colour([r, g, b]) = colour;
+                let to = [r, g, b, 255];
+                if to != yarn.colour {
+                    recolour(state, chart, image, yarns, place.index, to);
+                    name = Some("yarn colour".into());
+                }
+            }
+            if yarns.len() > 1 {
+                let merge = ui.menu_button("Merge", |ui| {
+                    let mut merged = None;
+                    for (index, other) in yarns.iter().enumerate() {
+                        if index == place.index || other.colour == BARE {
+                            continue;
+                        }
+                        let before = yarns[..index].iter().filter(|yarn| yarn.colour != BARE);
+                        let text = format!("into {}", yarn_name(before.count(), other.colour));
+                        let [r, g, b, _] = other.colour;
+                        ui.horizontal(|ui| {
+                            let side = vec2(14.0, 14.0);
+                            let (rect, _) = ui.allocate_exact_size(side, Sense::hover());
+                            let colour = Color32::from_rgb(r, g, b);
+                            ui.painter().rect_filled(rect, 2.0, colour);
+                            if ui.button(text).clicked() {
+                                merged = Some(other.colour);
+                                ui.close();
+                            }
+                        });
+                    }
+                    merged
+                });
+                merge
+                    .response
+                    .accessible_name(format!("Merge {}", place.label.to_lowercase()))
+                    .on_hover_text("Makes it the same yarn as another.");
+                if let Some(Some(into)) = merge.inner {
+                    put(chart, replace_yarn(image, yarn.colour, into));
+                    name = Some("merge yarns".into());
+                }
+            }
+            name
+        },
+    )
+}
+
+/// Gives a yarn another colour.
+fn recolour(
+    state: &mut State,
+    chart: &mut Chart,
+    image: &ChartImage,
+    yarns: &[YarnCount],
+    index: usize,
+    to: [u8; 4],
+) {
+    let recolouring = state.recolouring.get_or_insert_with(|| Recolouring {
+        before: image.clone(),
+        yarns: yarns.to_vec(),
+        index,
+        to,
+    });
+    if recolouring.index != index {
+        return;
+    }
+    recolouring.to = to;
+    let from = recolouring.yarns[index].colour;
+    put(chart, replace_yarn(&recolouring.before, from, to));
+}

@@ -32,6 +32,19 @@ const GESTURES: &[(&str, &str)] = &[
     ),
     ("Pattern: + and −, Ctrl and wheel", "Size of the cells"),
     (
+        "Chart: P L R Shift+R F I C, [ and ]",
+        "Tools as for the pattern, crop, size of the brush",
+    ),
+    (
+        "Chart: arrows, Shift+arrows, space or Enter",
+        "Move by one or ten pixels, paint",
+    ),
+    (
+        "Chart: wheel, middle or right drag, Home",
+        "Zoom, pan, whole chart",
+    ),
+    ("Chart: right click, Alt and click", "Pick the colour"),
+    (
         "Curve: arrows, Page up/down, Delete",
         "Move, select, remove a point",
     ),

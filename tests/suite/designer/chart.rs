@@ -9,13 +9,13 @@ use egui::{Color32, ColorImage, Event, Key, Modifiers, PointerButton, Pos2, Vec2
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use renderer_core::design::chart_edit::{BARE, crop, replace_yarn, rotate_right};
-use renderer_core::design::{ChartImage, Fit};
+use renderer_core::design::{ChartImage, Fit, LengthMap};
 use towel_designer::designer::App;
 use towel_designer::files;
 
 use super::{
-    Dropped, choose, click, design, designer, designer_of_size, type_number, type_path, wait,
-    wished,
+    Dropped, choose, click, design, designer, designer_of_size, open_panel, type_number, type_path,
+    wait, wished,
 };
 
 const RED: [u8; 4] = [200, 30, 30, 255];
@@ -368,7 +368,7 @@ fn a_yarn_takes_another_colour_and_two_become_one() {
     let folder = tempfile::tempdir().unwrap();
     let mut image = two_yarns();
     image.fill_row(0, 7..8, NAVY);
-    let mut harness = with_chart(&image, folder.path(), vec2(1280.0, 1400.0));
+    let mut harness = with_chart(&image, folder.path(), vec2(1280.0, 2400.0));
     // Sixteen of 32 pixels are red, one is navy.
     for label in ["Yarn 1  50 %", "Yarn 2  47 %", "Yarn 3  3.1 %"] {
         assert!(
@@ -392,6 +392,30 @@ fn a_yarn_takes_another_colour_and_two_become_one() {
     assert_eq!(wished(&harness).chart.pixels, Some(pixels(&harness)));
     undo(&mut harness);
     assert_eq!(pixels(&harness), image);
+
+    // A row of the table of lengths goes with its yarn, so that its loops keep their length.
+    open_panel(&mut harness, "Loop length");
+    choose(&mut harness, "Lengths", LengthMap::Lut.label());
+    let rows = |h: &Harness<'_, App>| -> Vec<[u8; 3]> {
+        let table = &design(h).length.table;
+        table.iter().map(|row| row.colour.0).collect()
+    };
+    assert_eq!(rows(&harness)[0], RED[..3]);
+    let field = harness
+        .get_all_by_role_and_label(Role::TextInput, "Yarn 1  50 %")
+        .next();
+    field.expect("a field").focus();
+    harness.run_steps(2);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.run_steps(1);
+    harness.event(Event::Text("#00aa44".into()));
+    harness.run_steps(2);
+    harness.key_press(Key::Enter);
+    harness.run_steps(3);
+    assert_eq!(rows(&harness)[0], [0, 0xaa, 0x44]);
+    assert_eq!(undo_name(&harness), "yarn colour");
+    undo(&mut harness);
+    assert_eq!(rows(&harness)[0], RED[..3]);
 
     click(&mut harness, "Merge yarn 3");
     click(&mut harness, "into yarn 1, #c81e1e");

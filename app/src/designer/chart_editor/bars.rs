@@ -337,6 +337,7 @@ pub fn crop_marked(ctx: &Context, editor: &mut ChartEditor, image: &ChartImage) 
     let Some(marked) = editor.canvas.marked.take() else {
         return;
     };
+    editor.canvas.reset();
     let [xs, ys] = marked_part(marked, image);
     let work = move |image: &ChartImage| crop(image, xs, ys);
     editor.work.start(ctx, "crop chart", image, work);

@@ -171,6 +171,10 @@ fn pointer(
         end(editor, false);
         return;
     }
+    if ui.input(|i| i.modifiers.alt) && editor.canvas.gesture.is_none() {
+        pick(editor, chart, place);
+        return;
+    }
     if editor
         .canvas
         .gesture
@@ -223,8 +227,8 @@ fn keyboard(ui: &Ui, editor: &mut ChartEditor, response: &Response, chart: &mut 
     if presses(Key::Home) > 0 {
         editor.canvas.scale = None;
     }
-    for (key, tool) in Tool::KEYS {
-        if presses(key) > 0 && modifiers.is_none() {
+    for (shift, key, tool) in Tool::KEYS {
+        if presses(key) > 0 && modifiers.shift == shift && !modifiers.alt {
             editor.tool = tool;
             end(editor, false);
         }
@@ -243,7 +247,7 @@ fn keyboard(ui: &Ui, editor: &mut ChartEditor, response: &Response, chart: &mut 
         }
         return;
     }
-    if presses(Key::Space) > 0 {
+    if presses(Key::Space) + presses(Key::Enter) > 0 {
         let spans = matches!(
             editor.tool,
             Tool::Line | Tool::Rectangle | Tool::FilledRectangle | Tool::Crop

@@ -44,7 +44,7 @@ impl Tool {
             Self::Pencil,
             Icon::Pencil,
             "Chart pencil",
-            "Paints with the brush where the pointer goes (P). Right click takes a colour from the chart.",
+            "Paints with the brush where the pointer goes (P). Right click, or Alt and click, takes a colour from the chart.",
         ),
         (
             Self::Line,
@@ -56,19 +56,19 @@ impl Tool {
             Self::Rectangle,
             Icon::Rectangle,
             "Chart rectangle",
-            "Paints the outline of a rectangle (R). With Shift a square.",
+            "Paints the outline of a rectangle (R). With Shift while dragging a square.",
         ),
         (
             Self::FilledRectangle,
             Icon::FilledRectangle,
             "Chart filled rectangle",
-            "Paints a filled rectangle (T). With Shift a square.",
+            "Paints a filled rectangle (Shift+R). With Shift while dragging a square.",
         ),
         (
             Self::Fill,
             Icon::Fill,
             "Chart fill",
-            "Paints all connected pixels of the same colour (G).",
+            "Paints all connected pixels of the same colour (F).",
         ),
         (
             Self::Pick,
@@ -84,15 +84,15 @@ impl Tool {
         ),
     ];
 
-    /// Keys of the tools while the canvas has the focus.
-    const KEYS: [(Key, Self); 7] = [
-        (Key::P, Self::Pencil),
-        (Key::L, Self::Line),
-        (Key::R, Self::Rectangle),
-        (Key::T, Self::FilledRectangle),
-        (Key::G, Self::Fill),
-        (Key::I, Self::Pick),
-        (Key::C, Self::Crop),
+    /// Keys of the tools while the canvas has the focus, those of the pattern's editor; some with Shift.
+    const KEYS: [(bool, Key, Self); 7] = [
+        (false, Key::P, Self::Pencil),
+        (false, Key::L, Self::Line),
+        (false, Key::R, Self::Rectangle),
+        (true, Key::R, Self::FilledRectangle),
+        (false, Key::F, Self::Fill),
+        (false, Key::I, Self::Pick),
+        (false, Key::C, Self::Crop),
     ];
 }
 

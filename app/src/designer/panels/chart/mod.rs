@@ -61,9 +61,8 @@ pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design, around: &mut Su
         ui.horizontal(|ui| edit_button(ui, &mut state.editor));
     }
     layout(ui, &mut design.chart);
-    let chart = &mut design.chart;
-    let mut name = yarns::show(ui, &mut state.yarns, chart);
-    if let Some(named) = reduce::show(ui, &mut state.reduce, chart) {
+    let mut name = yarns::show(ui, &mut state.yarns, design);
+    if let Some(named) = reduce::show(ui, &mut state.reduce, &mut design.chart) {
         name = Some(named);
     }
     if name.is_some() {

@@ -2,7 +2,7 @@
 
 use egui::{Color32, RichText, ScrollArea, Sense, Ui, vec2};
 use renderer_core::design::chart_edit::{BARE, YarnCount, YarnCounts, replace_yarn};
-use renderer_core::design::{Chart, ChartImage, Colour};
+use renderer_core::design::{ChartImage, Colour, Design, LengthEntry};
 
 use crate::designer::chart_editor::work::put;
 use crate::designer::widgets::{colour_value, row, subheading};
@@ -23,6 +23,7 @@ pub struct State {
 /// there before.
 struct Recolouring {
     before: ChartImage,
+    rows: Vec<LengthEntry>,
     yarns: Vec<YarnCount>,
     /// Which of them.
     index: usize,
@@ -36,8 +37,8 @@ pub fn yarn_name(index: usize, colour: [u8; 4]) -> String {
 }
 
 /// Shows the list. Returns what the history is to call a change made here.
-pub fn show(ui: &mut Ui, state: &mut State, chart: &mut Chart) -> Option<String> {
-    let image = chart.pixels.clone()?;
+pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design) -> Option<String> {
+    let image = design.chart.pixels.clone()?;
     if !ui.input(|i| i.pointer.any_down()) {
         state.recolouring = None;
     }
@@ -87,7 +88,7 @@ pub fn show(ui: &mut Ui, state: &mut State, chart: &mut Chart) -> Option<String>
                         label: &label,
                         share: &share,
                     };
-                    yarn_row(ui, state, chart, &image, &yarns, &place)
+                    yarn_row(ui, state, design, &image, &yarns, &place)
                 });
                 name = named.inner.or(name.take());
             }
@@ -113,7 +114,7 @@ struct Place<'a> {
 fn yarn_row(
     ui: &mut Ui,
     state: &mut State,
-    chart: &mut Chart,
+    design: &mut Design,
     image: &ChartImage,
     yarns: &[YarnCount],
     place: &Place<'_>,
@@ -135,7 +136,7 @@ fn yarn_row(
                 let Colour([r, g, b]) = colour;
                 let to = [r, g, b, 255];
                 if to != yarn.colour {
-                    recolour(state, chart, image, yarns, place.index, to);
+                    recolour(state, design, image, yarns, place.index, to);
                     name = Some("yarn colour".into());
                 }
             }
@@ -167,7 +168,7 @@ fn yarn_row(
                     .accessible_name(format!("Merge {}", place.label.to_lowercase()))
                     .on_hover_text("Makes it the same yarn as another.");
                 if let Some(Some(into)) = merge.inner {
-                    put(chart, replace_yarn(image, yarn.colour, into));
+                    put(&mut design.chart, replace_yarn(image, yarn.colour, into));
                     name = Some("merge yarns".into());
                 }
             }
@@ -176,10 +177,10 @@ fn yarn_row(
     )
 }
 
-/// Gives a yarn another colour.
+/// Gives a yarn another colour. Its row in the table of lengths goes with it: the loops stay as long as they are.
 fn recolour(
     state: &mut State,
-    chart: &mut Chart,
+    design: &mut Design,
     image: &ChartImage,
     yarns: &[YarnCount],
     index: usize,
@@ -187,6 +188,7 @@ fn recolour(
 ) {
     let recolouring = state.recolouring.get_or_insert_with(|| Recolouring {
         before: image.clone(),
+        rows: design.length.table.clone(),
         yarns: yarns.to_vec(),
         index,
         to,
@@ -196,5 +198,14 @@ fn recolour(
     }
     recolouring.to = to;
     let from = recolouring.yarns[index].colour;
-    put(chart, replace_yarn(&recolouring.before, from, to));
+    put(
+        &mut design.chart,
+        replace_yarn(&recolouring.before, from, to),
+    );
+    let pairs = design.length.table.iter_mut().zip(&recolouring.rows);
+    for (row, before) in pairs {
+        if before.colour.0 == from[..3] {
+            row.colour = Colour([to[0], to[1], to[2]]);
+        }
+    }
 }

@@ -296,7 +296,11 @@ fn broken_bundles_are_refused_with_what_is_wrong() {
     refused(&shop, &changed(8, &[1, 8]), "Password required");
     refused(&shop, &changed(10, &[12, 0]), "is broken: its preset.toml");
     refused(&shop, &changed(24, &[0xff; 4]), "has 4294967295 bytes");
-    refused(&shop, &changed(42, &[0xfe; 4]), "is broken: its preset.toml");
+    refused(
+        &shop,
+        &changed(42, &[0xfe; 4]),
+        "is broken: its preset.toml",
+    );
     refused(&shop, &changed(46, b"another.tom"), "it has no preset.toml");
     // Cut anywhere, changed anywhere: a message or the same design, never a panic.
     for at in (0..good.len()).step_by(5) {

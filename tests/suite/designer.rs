@@ -8,6 +8,7 @@ mod light;
 mod loops;
 mod rendering;
 mod small_pictures;
+mod view;
 mod weave;
 
 use std::path::{Path, PathBuf};

@@ -7,6 +7,7 @@ pub mod bench;
 mod check;
 mod export;
 mod info;
+mod pace;
 mod render;
 mod stats;
 
@@ -51,6 +52,8 @@ enum Command {
     Bench(bench::BenchArguments),
     /// Validate presets; print every fault with line and column.
     Check(check::CheckArguments),
+    /// Measure how smoothly the window goes while it renders: the times between its frames.
+    Pace(pace::PaceArguments),
     /// Write what a preset is made of: its loops, volumes or turbulence.
     #[command(subcommand)]
     Export(export::Export),
@@ -102,6 +105,7 @@ fn run() -> anyhow::Result<()> {
     match arguments.command {
         Some(Command::Render(arguments)) => render::run(&arguments),
         Some(Command::Bench(arguments)) => bench::run(&arguments),
+        Some(Command::Pace(arguments)) => pace::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
         Some(Command::Export(export)) => export::run(&export),
         Some(Command::Info) => info::run(),

@@ -157,13 +157,19 @@ pub fn standard(
     camera
 }
 
-/// Millimetres of cloth across one pixel, in the plane through the target.
-pub fn mm_per_pixel(camera: &CameraDesign, size: [u32; 2]) -> f64 {
-    let height = match Camera::from_design(camera).projection {
+/// Millimetres of cloth over the height of the picture, in the plane through the target.
+pub fn picture_height_mm(camera: &CameraDesign) -> f64 {
+    match Camera::from_design(camera).projection {
         Projection::Perspective { fov } => 2.0 * camera.distance * (fov / 2.0).tan(),
         Projection::Orthographic { height_mm } => height_mm,
-    };
-    height / f64::from(size[1])
+    }
+}
+
+/// Moves a perspective camera to where its picture is so high in the plane through the target.
+pub fn set_distance_for_height(camera: &mut CameraDesign, height_mm: f64) {
+    let range = CameraDesign::FIELDS.distance;
+    let distance = height_mm / (2.0 * (camera.fov.to_radians() / 2.0).tan());
+    camera.distance = distance.clamp(range.min, range.max);
 }
 
 fn move_target(camera: &mut CameraDesign, target: DVec3) {

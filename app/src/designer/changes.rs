@@ -1,6 +1,8 @@
 //! Names what differs between two designs, for "Undo …": the history is a list of designs, the names are read off them.
 
-use renderer_core::design::{Design, Numbers, READY_PATTERNS};
+use std::cmp::Ordering;
+
+use renderer_core::design::{CameraDesign, Design, Numbers, READY_PATTERNS};
 
 use super::panels::{ReadyLight, turbulence_reset};
 use super::widgets::label_of;
@@ -161,20 +163,43 @@ fn light(before: &Design, after: &Design) -> Option<String> {
 
 fn view(before: &Design, after: &Design) -> Option<String> {
     let (a, b) = (&before.view, &after.view);
-    list("camera", a.cameras.len(), b.cameras.len())
+    cameras(&a.cameras, &b.cameras)
         .or_else(|| numbers("view", a, b))
         .or_else(|| other(a.tone_map != b.tone_map, "tone map"))
-        .or_else(|| {
-            let mut cameras = a.cameras.iter().zip(&b.cameras);
-            cameras.find_map(|(a, b)| numbers("camera", a, b))
-        })
-        .or_else(|| other(a.cameras != b.cameras, "camera"))
+}
+
+fn cameras(before: &[CameraDesign], after: &[CameraDesign]) -> Option<String> {
+    let lacks = |list: &[CameraDesign], name: &str| list.iter().all(|other| other.name != name);
+    let not_in = |list: &[CameraDesign], of: &[CameraDesign]| {
+        let found = of.iter().find(|camera| lacks(list, &camera.name));
+        found.map_or_else(String::new, |camera| format!(" “{}”", camera.name))
+    };
+    match before.len().cmp(&after.len()) {
+        Ordering::Less => return Some(format!("save view{}", not_in(before, after))),
+        Ordering::Greater => return Some(format!("remove view{}", not_in(after, before))),
+        Ordering::Equal => {}
+    }
+    let mut pairs = before.iter().zip(after).filter(|(a, b)| a != b);
+    let (a, b) = pairs.next()?;
+    if pairs.next().is_some() {
+        return Some("order of views".into());
+    }
+    if a.name != b.name {
+        return Some(format!("rename view “{}”", b.name));
+    }
+    let (old, new) = (a.numbers(), b.numbers());
+    let changed = old.iter().zip(&new).filter(|((_, a), (_, b))| a != b);
+    let others = a.target != b.target || a.orthographic_height != b.orthographic_height;
+    if changed.count() == 1 && !others {
+        return numbers("camera", a, b);
+    }
+    Some(format!("set view “{}”", b.name))
 }
 
 fn list(what: &str, before: usize, after: usize) -> Option<String> {
     match before.cmp(&after) {
-        std::cmp::Ordering::Less => Some(format!("add {what}")),
-        std::cmp::Ordering::Equal => None,
-        std::cmp::Ordering::Greater => Some(format!("remove {what}")),
+        Ordering::Less => Some(format!("add {what}")),
+        Ordering::Equal => None,
+        Ordering::Greater => Some(format!("remove {what}")),
     }
 }

@@ -7,6 +7,7 @@ use renderer_core::design::CameraDesign;
 
 use super::camera_moves::StandardView;
 use super::live_light::LiveLight;
+use super::viewport::command::{self as view, ViewCommand};
 use crate::backend::BackendChoice;
 
 /// Something to do that is no edit of the design.
@@ -52,6 +53,8 @@ pub enum Command {
     Backend(BackendChoice),
     /// Render the viewport with this light.
     LiveLight(LiveLight),
+    /// Do something with the view.
+    View(ViewCommand),
     /// Show or hide keys and version.
     Help,
 }
@@ -92,14 +95,24 @@ pub fn take_shortcuts(ctx: &Context, commands: &mut Vec<Command>) {
             commands.push(command.clone());
         }
     }
+    for (command, shortcut) in &view::SHORTCUTS {
+        if !typing && ctx.input_mut(|i| i.consume_shortcut(shortcut)) {
+            commands.push(Command::View(command.clone()));
+        }
+    }
 }
 
 /// The keys of a command as text, for menus and tooltips; empty if it has none.
 pub fn keys_of(ctx: &Context, command: &Command) -> String {
-    SHORTCUTS
-        .iter()
-        .find(|(other, ..)| other == command)
-        .map_or_else(String::new, |(_, shortcut, _)| {
-            ctx.format_shortcut(shortcut)
-        })
+    let shortcut = match command {
+        Command::View(command) => {
+            let found = view::SHORTCUTS.iter().find(|(other, _)| other == command);
+            found.map(|(_, shortcut)| shortcut)
+        }
+        command => {
+            let found = SHORTCUTS.iter().find(|(other, ..)| other == command);
+            found.map(|(_, shortcut, _)| shortcut)
+        }
+    };
+    shortcut.map_or_else(String::new, |shortcut| ctx.format_shortcut(shortcut))
 }

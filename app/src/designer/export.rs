@@ -181,10 +181,10 @@ impl Export {
                 ui.end_row();
                 let label = ui.label("Backend");
                 ComboBox::from_id_salt("export backend")
-                    .selected_text(super::bars::backend_name(self.choice))
+                    .selected_text(super::view_bar::backend_name(self.choice))
                     .show_ui(ui, |ui| {
-                        for choice in super::bars::BACKENDS {
-                            let name = super::bars::backend_name(choice);
+                        for choice in super::view_bar::BACKENDS {
+                            let name = super::view_bar::backend_name(choice);
                             ui.selectable_value(&mut self.choice, choice, name);
                         }
                     })

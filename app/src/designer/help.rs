@@ -9,9 +9,18 @@ const GESTURES: &[(&str, &str)] = &[
     ("Viewport: drag", "Orbit"),
     ("Viewport: Shift, middle or right drag", "Pan"),
     ("Viewport: wheel, pinch", "Zoom to the pointer"),
+    (
+        "Viewport: two fingers, Alt+two fingers",
+        "Pan, orbit (trackpads; not on X11)",
+    ),
     ("Viewport: arrows, Shift+arrows", "Orbit, pan"),
     ("Viewport: + and −", "Zoom"),
     ("Viewport: F, Home", "Fit the cloth"),
+    ("Viewport: T, O", "True scale 1:1, orthographic or not"),
+    ("Viewport: L, B", "Loupe, scale bar"),
+    ("Viewport: S, C", "Take a snapshot, compare with it"),
+    ("Alt+1 … Alt+9", "Saved views"),
+    ("F11", "The cloth alone, and back (also Escape)"),
     (
         "Pattern: arrows, space, 0 1 7 8 9",
         "Move, paint, paint that stitch",

@@ -35,6 +35,12 @@ impl LiveLight {
         }
     }
 
+    /// Whether the two differ for a design: not if its light scatters once, nor if it says itself what to estimate.
+    pub fn matters(design: &Design) -> bool {
+        let closing = |light: Self| light.settings(design).closing_bounce();
+        closing(Self::Fast) != closing(Self::True)
+    }
+
     /// The settings of a picture of a design with this light.
     pub fn settings(self, design: &Design) -> Settings {
         let mut settings = Settings::from(&design.quality);

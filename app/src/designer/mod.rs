@@ -23,14 +23,19 @@ mod help;
 pub mod length_pictures;
 mod live_light;
 mod notices;
+pub mod pace;
 pub mod panels;
 mod paste;
 mod preset_list;
 mod render_thread;
 mod renderer;
+mod reopen;
 pub mod small_pictures;
+mod status;
 mod style;
 mod tasks;
+mod view_bar;
+mod view_work;
 mod viewport;
 mod widgets;
 mod work;
@@ -43,6 +48,7 @@ use anyhow::anyhow;
 use eframe::CreationContext;
 use egui::{CentralPanel, Context, Frame, Margin, Panel, Ui, UiBuilder, ViewportCommand};
 use renderer_core::design::{ChartImage, EnvironmentImage};
+use renderer_core::gpu::DeviceWatch;
 
 pub use command::Command;
 pub use document::Document;
@@ -50,9 +56,10 @@ pub use folders::Folders;
 pub use live_light::LiveLight;
 pub use render_thread::{Hurry, Shown, Wish};
 pub use renderer::{MakeBackend, Shot};
+pub use reopen::{Shelf, run};
 pub use widgets::{Icon, label_of, shapes};
 
-use crate::backend::{self, BackendChoice};
+use crate::backend::BackendChoice;
 use crate::files::{FileError, Opened, OwnChart};
 use dialogs::Dialogs;
 use export::Export;
@@ -100,8 +107,11 @@ pub struct App {
     /// Frames left to wait for what the clipboard was asked for.
     pasting: Option<u32>,
     help_is_open: bool,
+    /// Whether the cloth fills the window, without panels.
+    is_alone: bool,
     title: String,
     commands: Vec<Command>,
+    shelf: Shelf,
 }
 
 /// A file that was read on another thread.
@@ -111,11 +121,13 @@ enum Loaded {
     Environment(PathBuf, Result<EnvironmentImage, FileError>),
 }
 
-/// Opens the designer's window and returns when it is closed.
+/// Opens a window of the designer's size with what `create` makes, and returns when it is closed.
 ///
 /// # Errors
 /// When no window can be opened, with what to install.
-pub fn run(preset: Option<PathBuf>, choice: BackendChoice) -> anyhow::Result<()> {
+fn in_a_window(
+    create: impl FnOnce(&CreationContext<'_>) -> Box<dyn eframe::App>,
+) -> anyhow::Result<()> {
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_app_id("towel-designer")
@@ -124,16 +136,7 @@ pub fn run(preset: Option<PathBuf>, choice: BackendChoice) -> anyhow::Result<()>
         wgpu_options: wgpu_options(),
         ..Default::default()
     };
-    let create: eframe::AppCreator<'_> = Box::new(move |cc| {
-        let setup = Setup {
-            preset,
-            choice,
-            make: Arc::new(backend::make),
-            system_dialogs: true,
-            folders: Folders::of_user(),
-        };
-        Ok(Box::new(App::new(cc, setup)))
-    });
+    let create: eframe::AppCreator<'_> = Box::new(move |cc| Ok(create(cc)));
     eframe::run_native("Towel Designer", options, create).map_err(|error| {
         anyhow!(
             "the window cannot be opened: {error}; without a display use `towel-designer render`, and on Debian and \
@@ -161,9 +164,10 @@ impl App {
     pub fn new(cc: &CreationContext<'_>, setup: Setup) -> Self {
         let ctx = &cc.egui_ctx;
         style::apply(ctx);
+        let config = setup.folders.as_ref().map(|folders| &*folders.config);
         let mut app = Self {
             document: Document::default(),
-            viewport: Viewport::new(Arc::clone(&setup.make), setup.choice, cc),
+            viewport: Viewport::new(Arc::clone(&setup.make), setup.choice, cc, config),
             small_pictures: SmallPictures::new(Arc::clone(&setup.make), ctx.clone()),
             panels: Panels::default(),
             presets: PresetList::new(ctx),
@@ -177,8 +181,10 @@ impl App {
             is_quitting: false,
             pasting: None,
             help_is_open: false,
+            is_alone: false,
             title: String::new(),
             commands: Vec::new(),
+            shelf: Shelf::default(),
         };
         app.look_first();
         if let Some(preset) = setup.preset {
@@ -219,6 +225,10 @@ impl App {
             top: 6,
             bottom: 0,
         });
+        if self.is_alone {
+            CentralPanel::no_frame().show(ui, |ui| self.show_viewport(ui));
+            return;
+        }
         let mut commands = std::mem::take(&mut self.commands);
         Panel::top("menu").frame(bar).show(ui, |ui| {
             bars::menu(ui, &self.document, &self.viewport, &mut commands);
@@ -227,10 +237,10 @@ impl App {
             .frame(bar)
             .exact_size(32.0)
             .show(ui, |ui| {
-                bars::toolbar(ui, &self.document, &mut commands);
+                bars::toolbar(ui, &self.document, &self.viewport, &mut commands);
             });
         Panel::bottom("status").frame(bar).show(ui, |ui| {
-            bars::status(ui, &self.viewport, &mut commands);
+            status::show(ui, &self.document.design, &self.viewport, &mut commands);
         });
         let faults = self.document.design.faults();
         let warnings = self.viewport.shown().warnings.clone();
@@ -279,8 +289,8 @@ impl App {
         if let Some(name) = step_name {
             self.document.name_step(name);
         }
-        CentralPanel::no_frame().show(ui, |ui| self.show_viewport(ui));
         self.commands = commands;
+        CentralPanel::no_frame().show(ui, |ui| self.show_viewport(ui));
     }
 
     fn show_viewport(&mut self, ui: &mut Ui) {
@@ -294,7 +304,8 @@ impl App {
             design
         });
         let design = tried_out.as_ref().unwrap_or(design);
-        self.viewport.show(ui, design, faults.is_empty());
+        self.viewport
+            .show(ui, design, faults.is_empty(), &mut self.commands);
         let messages = UiBuilder::new().max_rect(rect.shrink2(egui::vec2(12.0, 8.0)));
         ui.scope_builder(messages, |ui| {
             if let Some(fault) = faults.first() {
@@ -319,12 +330,23 @@ impl App {
         if let Some(news) = self.viewport.take_news(ctx) {
             self.notices.error("The GPU stopped", news);
         }
+        let refused = self.viewport.watch().and_then(DeviceWatch::take_refused);
+        if let Some(refused) = refused {
+            let text =
+                format!("{refused}\nWhat is seen may be incomplete; the design is unharmed.");
+            self.notices
+                .error("The graphics device refused something", text);
+        }
     }
 }
 
 impl eframe::App for App {
     fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
         let ctx = ui.ctx().clone();
+        tracing::trace!("frame");
+        if self.is_lost(&ctx) {
+            return;
+        }
         self.close_requested(&ctx);
         self.take_pictures(&ctx);
         self.small_pictures.give_way(self.viewport.shown().hurry());
@@ -334,12 +356,18 @@ impl eframe::App for App {
         let is_asking = self.dialogs.is_browsing() || self.asked.is_some();
         if !is_asking {
             command::take_shortcuts(&ctx, &mut self.commands);
+            self.leave_alone(&ctx);
         }
         self.lay_out(ui);
         self.take_export(&ctx);
         self.take_dialog(&ctx);
         self.ask_to_save(&ctx);
         help::show(&ctx, &mut self.help_is_open);
+        self.store_view_settings();
+        if !self.commands.is_empty() {
+            // What they do shows in the next frame.
+            ctx.request_repaint();
+        }
         if self.is_typing_finished(&ctx) {
             for command in std::mem::take(&mut self.commands) {
                 self.perform(&ctx, command);

@@ -63,6 +63,7 @@ impl App {
             Command::Fit => self.viewport.fit(&self.document.design),
             Command::Backend(choice) => self.viewport.choose(choice),
             Command::LiveLight(light) => self.viewport.light = light,
+            Command::View(command) => self.perform_view(ctx, command),
             Command::Help => self.help_is_open = !self.help_is_open,
         }
     }

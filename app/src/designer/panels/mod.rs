@@ -1,6 +1,7 @@
 //! The document's panels, one file each, in the order one designs. A panel edits its part of the design and nothing
 //! else; what it cannot do itself (open a file, move the camera) it asks for with a [`Command`].
 
+mod cameras;
 mod chart;
 mod height_map;
 mod length_table;

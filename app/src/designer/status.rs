@@ -1,0 +1,169 @@
+//! The status bar: how far the picture is, what it is made of, what lies under the pointer, what renders.
+
+use egui::{RichText, Sense, Sides, Stroke, StrokeKind, Ui, vec2};
+use renderer_core::design::Design;
+use renderer_core::render::BackendKind;
+
+use super::command::Command;
+use super::live_light::LiveLight;
+use super::render_thread::Shown;
+use super::view_bar::{backend_name, backends, live_lights};
+use super::viewport::{Viewport, progress_text};
+
+/// Shows the status bar.
+pub fn show(ui: &mut Ui, design: &Design, viewport: &Viewport, commands: &mut Vec<Command>) {
+    Sides::new().shrink_left().truncate().show(
+        ui,
+        |ui| left(ui, viewport),
+        |ui| {
+            device(ui, viewport, commands);
+            light(ui, design, viewport, commands);
+            readout(ui, viewport);
+        },
+    );
+}
+
+/// One thing that the status bar tells, and what it means.
+struct Part(String, String);
+
+fn parts(viewport: &Viewport, shown: &Shown, magnification: Option<f64>) -> Vec<Part> {
+    let mut parts = vec![Part(
+        progress_text(shown),
+        "samples of every pixel, and the time they took".into(),
+    )];
+    let mut tell = |text: String, what: &str| parts.push(Part(text, what.into()));
+    if let (false, Some(error)) = (shown.is_reduced, shown.progress.error_estimate) {
+        let text = format!("error {:.1} %", 100.0 * error);
+        tell(
+            text,
+            "how far the picture may still be from its final state",
+        );
+    }
+    let counts = shown.counts;
+    tell(format!("{} loops", counts.planted), "loops on both faces");
+    if counts.dropped > 0 {
+        let text = format!("{} dropped", counts.dropped);
+        tell(text, "loops left out because their shape was impossible");
+    }
+    let [width, height] = viewport.size();
+    let is_smaller = shown.size[0] > 0 && shown.size[0].max(shown.size[1]) < width.max(height);
+    if is_smaller {
+        let [width, height] = shown.size;
+        let text = format!("{width} × {height} px, enlarged");
+        tell(
+            text,
+            "the picture is drawn smaller and enlarged: more is beyond this GPU or its memory",
+        );
+    } else {
+        tell(format!("{width} × {height} px"), "size of the picture");
+    }
+    let memory = match shown.device {
+        Some((BackendKind::Gpu, _)) => "memory taken on the GPU",
+        _ => "memory that rendering takes beside the design",
+    };
+    tell(format!("{:.1} MB", shown.device_bytes as f64 / 1e6), memory);
+    if let Some(magnification) = magnification {
+        let measure = if viewport.screen_is_measured() {
+            "size on the screen : size of the cloth"
+        } else {
+            "size on the screen : size of the cloth, if the screen's pixels are as large as the system says; View, Size of the screen tells better"
+        };
+        tell(scale_text(magnification), measure);
+    }
+    parts.retain(|Part(text, _)| !text.is_empty());
+    parts
+}
+
+/// `1:1`, `2.5:1`, `1:8`.
+fn scale_text(magnification: f64) -> String {
+    let short = |ratio: f64| {
+        let text = if ratio < 9.95 {
+            format!("{ratio:.1}")
+        } else {
+            format!("{ratio:.0}")
+        };
+        text.trim_end_matches(".0").to_owned()
+    };
+    if magnification >= 1.0 {
+        format!("{}:1", short(magnification))
+    } else {
+        format!("1:{}", short(1.0 / magnification))
+    }
+}
+
+fn left(ui: &mut Ui, viewport: &Viewport) {
+    let shown = viewport.shown();
+    let parts = parts(viewport, shown, viewport.magnification(ui.ctx()));
+    let texts: Vec<&str> = parts.iter().map(|Part(text, _)| text.as_str()).collect();
+    let lines = parts
+        .iter()
+        .map(|Part(text, what)| format!("{text}: {what}"));
+    let tooltip = lines.collect::<Vec<_>>().join("\n");
+    ui.label(RichText::new(texts.join("   ·   ")).weak())
+        .on_hover_text(tooltip);
+    if !shown.warnings.is_empty() {
+        let lines: Vec<String> = shown.warnings.iter().map(ToString::to_string).collect();
+        let count = lines.len();
+        let plural = if count == 1 { "" } else { "s" };
+        let text = format!("{count} warning{plural}");
+        ui.colored_label(ui.visuals().warn_fg_color, text)
+            .on_hover_text(lines.join("\n"));
+    }
+}
+
+/// What lies under the pointer.
+fn readout(ui: &mut Ui, viewport: &Viewport) {
+    let Some(readout) = viewport.readout() else {
+        return;
+    };
+    // From the right: the bar's right side is laid out that way.
+    if let (Some(yarn), Some([r, g, b])) = (readout.yarn(), readout.colour) {
+        ui.label(RichText::new(format!("#{r:02x}{g:02x}{b:02x}")).weak());
+        let (rect, _) = ui.allocate_exact_size(vec2(12.0, 12.0), Sense::hover());
+        let outline = Stroke::new(1.0, ui.visuals().weak_text_color());
+        ui.painter()
+            .rect(rect, 2.0, yarn, outline, StrokeKind::Inside);
+    }
+    let what = "The cell under the pointer, counted from the left of the near edge; the loop's length from its root, after turbulence; its yarn's colour in the chart.";
+    ui.label(readout.text()).on_hover_text(what);
+}
+
+fn device(ui: &mut Ui, viewport: &Viewport, commands: &mut Vec<Command>) {
+    let shown = viewport.shown();
+    let name = match &shown.device {
+        Some((kind, device)) => format!("{}: {}", kind.name(), short(device, 36)),
+        None => backend_name(viewport.choice()).into(),
+    };
+    let button = ui.menu_button(name, |ui| backends(ui, viewport.choice(), commands));
+    let device = shown.device.as_ref().map_or("", |(_, device)| device);
+    let tooltip = format!(
+        "{device}\nChosen: {}. Click to render with another backend.",
+        backend_name(viewport.choice())
+    );
+    button
+        .response
+        .accessible_name("Backend")
+        .on_hover_text(tooltip.trim_start());
+}
+
+fn light(ui: &mut Ui, design: &Design, viewport: &Viewport, commands: &mut Vec<Command>) {
+    // Where both are the same there is nothing to choose.
+    if !LiveLight::matters(design) {
+        return;
+    }
+    let light = viewport.light;
+    let button = ui.menu_button(light.name(), |ui| live_lights(ui, light, commands));
+    button
+        .response
+        .accessible_name("Light in the viewport")
+        .on_hover_text(light.what());
+}
+
+/// At most `most` characters, with an ellipsis where some are left out.
+fn short(text: &str, most: usize) -> String {
+    if text.chars().count() <= most {
+        return text.into();
+    }
+    let kept: String = text.chars().take(most - 1).collect();
+    format!("{}…", kept.trim_end())
+}

@@ -1,0 +1,90 @@
+//! What lies under the pointer: the cell of the weave, the loop that stands in it, its yarn's colour.
+
+use egui::Color32;
+use glam::DVec2;
+use renderer_core::design::Design;
+use renderer_core::render::Camera;
+use renderer_core::scene::{ChartOnSheet, Face, Scene};
+
+/// A cell under the pointer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Readout {
+    /// Warp and weft, from 0 at the left of the near edge.
+    pub cell: [u32; 2],
+    /// Length of the loop on the side that is seen, mm; `None` where none stands.
+    pub loop_mm: Option<f64>,
+    /// Colour of its yarn in the chart.
+    pub colour: Option<[u8; 3]>,
+}
+
+impl Readout {
+    /// What a camera's ray through a pixel meets: the plane through the middle of the pile on the side that is seen,
+    /// since it is loops one points at, not the ground below them.
+    pub fn new(
+        design: &Design,
+        scene: &Scene,
+        camera: &Camera,
+        pixel: DVec2,
+        size: [u32; 2],
+    ) -> Option<Self> {
+        let (origin, direction) = camera.ray(pixel, size);
+        let is_front = direction.z < 0.0;
+        let z_range = scene.loops.z_range_mm.map(f64::from);
+        let height = if is_front {
+            z_range[1].max(0.0) / 2.0
+        } else {
+            z_range[0].min(0.0) / 2.0
+        };
+        let distance = (height - origin.z) / direction.z;
+        if !(distance.is_finite() && distance > 0.0) {
+            return None;
+        }
+        let at = origin + direction * distance;
+        let sheet = &scene.sheet;
+        let cell = |at: f64, pitch: f64, count: u32| {
+            let cell = (at / pitch + f64::from(count) / 2.0).floor();
+            (cell >= 0.0 && cell < f64::from(count)).then_some(cell as u32)
+        };
+        let i = cell(at.x, sheet.pitch_x_mm, sheet.warps)?;
+        let j = cell(at.y, sheet.pitch_y_mm, sheet.wefts)?;
+        let face = if is_front { Face::Front } else { Face::Back };
+        // The design may already be another than that of the scene in the picture.
+        let is_same = (design.sheet.warps, design.sheet.wefts) == (sheet.warps, sheet.wefts);
+        let chart = ChartOnSheet::new(&design.chart, sheet.warps, sheet.wefts);
+        Some(Self {
+            cell: [i, j],
+            loop_mm: loop_mm(scene, [i, j], face),
+            colour: chart.colour(i as usize, j as usize).filter(|_| is_same),
+        })
+    }
+
+    /// "warp 12, weft 140 · loop 2.8 mm".
+    pub fn text(&self) -> String {
+        let [warp, weft] = self.cell.map(|index| index + 1);
+        let what = match self.loop_mm {
+            Some(mm) => format!("loop {mm:.1} mm"),
+            None => "no loop".into(),
+        };
+        format!("warp {warp}, weft {weft} · {what}")
+    }
+
+    /// Colour of the loop's yarn.
+    pub fn yarn(&self) -> Option<Color32> {
+        let [r, g, b] = self.colour.filter(|_| self.loop_mm.is_some())?;
+        Some(Color32::from_rgb(r, g, b))
+    }
+}
+
+/// Length of the loop that stands on a side of a cell, from its root to the middle of its top, mm.
+fn loop_mm(scene: &Scene, [i, j]: [u32; 2], face: Face) -> Option<f64> {
+    let loops = &scene.loops;
+    let header = loops.header_index(&scene.sheet, i.into(), j.into())?;
+    let header = &loops.headers[header];
+    let own = loops.entries_of(header).iter();
+    let shapes = own
+        .filter(|entry| entry.cell_offset() == [0, 0])
+        .map(|entry| &loops.shapes[(header.first_loop + entry.slot()) as usize]);
+    let mut shapes = shapes.filter(|shape| shape.face() == face);
+    let [x, y, z] = shapes.next()?.axis.map(f64::from);
+    Some((x * x + y * y + z * z).sqrt())
+}

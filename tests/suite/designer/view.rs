@@ -1,0 +1,675 @@
+//! The viewport: gestures, saved views, true scale, loupe, comparison, the cloth alone, what lies under the pointer.
+
+use egui::{Event, MouseWheelSource, MouseWheelUnit, TouchPhase};
+use glam::{DVec2, DVec3};
+use renderer_core::design::CameraDesign;
+use renderer_core::render::Camera;
+use towel_designer::designer::Folders;
+
+use super::*;
+
+fn camera(harness: &Harness<'_, App>) -> CameraDesign {
+    harness.state().viewport().camera.clone()
+}
+
+fn picture_rect(harness: &Harness<'_, App>) -> egui::Rect {
+    harness.get_by_label("Viewport").rect()
+}
+
+fn focus_viewport(harness: &mut Harness<'_, App>) {
+    harness.get_by_label("Viewport").focus();
+    harness.run_steps(2);
+}
+
+/// Where on the cloth's plane a place on the screen lies, mm.
+fn on_cloth(harness: &Harness<'_, App>, at: Pos2) -> DVec3 {
+    let (rect, size) = (picture_rect(harness), harness.state().viewport().size());
+    let share = (at - rect.min) / rect.size();
+    let pixel = DVec2::new(f64::from(share.x), f64::from(share.y))
+        * DVec2::new(f64::from(size[0]), f64::from(size[1]));
+    let (origin, direction) = Camera::from_design(&camera(harness)).ray(pixel, size);
+    origin - direction * (origin.z / direction.z)
+}
+
+fn scroll(harness: &mut Harness<'_, App>, delta: Vec2, fingers: bool, modifiers: Modifiers) {
+    let (unit, source) = if fingers {
+        (MouseWheelUnit::Point, MouseWheelSource::Trackpad)
+    } else {
+        (MouseWheelUnit::Line, MouseWheelSource::Wheel)
+    };
+    harness.event(Event::ModifiersChanged(modifiers));
+    harness.event(Event::MouseWheel {
+        unit,
+        source,
+        delta,
+        phase: TouchPhase::Move,
+        modifiers,
+    });
+    // egui spreads a scroll over some frames.
+    harness.run_steps(20);
+    harness.event(Event::ModifiersChanged(Modifiers::NONE));
+    harness.run_steps(1);
+}
+
+#[test]
+fn wheel_and_pinch_zoom_to_the_pointer() {
+    let mut harness = designer(None);
+    let at = picture_rect(&harness).center() + vec2(90.0, 60.0);
+    harness.hover_at(at);
+    harness.run_steps(2);
+    let (first, point) = (camera(&harness), on_cloth(&harness, at));
+    scroll(&mut harness, vec2(0.0, 2.0), false, Modifiers::NONE);
+    let wheeled = camera(&harness);
+    assert!(wheeled.distance < 0.95 * first.distance);
+    // f32 screen positions of some hundred points, and a hundred mm of cloth over them.
+    assert!((on_cloth(&harness, at) - point).length() < 0.01);
+    harness.event(Event::Zoom(1.5));
+    harness.run_steps(3);
+    let pinched = camera(&harness);
+    assert!((wheeled.distance / pinched.distance - 1.5).abs() < 1e-6);
+    assert!((on_cloth(&harness, at) - point).length() < 0.01);
+    assert_eq!(pinched.azimuth, first.azimuth);
+    assert!(
+        !harness.state().document().is_unsaved(),
+        "looking is no change"
+    );
+}
+
+#[test]
+fn two_fingers_move_the_cloth_and_turn_it_with_alt() {
+    let mut harness = designer(None);
+    let at = picture_rect(&harness).center();
+    harness.hover_at(at);
+    harness.run_steps(2);
+    let (first, point) = (camera(&harness), on_cloth(&harness, at));
+    let by = vec2(40.0, 25.0);
+    scroll(&mut harness, by, true, Modifiers::NONE);
+    let panned = camera(&harness);
+    assert_eq!(
+        (panned.distance, panned.azimuth),
+        (first.distance, first.azimuth)
+    );
+    let moved = on_cloth(&harness, at + by);
+    assert!((moved - point).length() < 0.05, "{moved} is not {point}");
+    scroll(&mut harness, by, true, Modifiers::ALT);
+    let orbited = camera(&harness);
+    assert_eq!(orbited.target, panned.target);
+    assert!(orbited.azimuth < panned.azimuth && orbited.elevation > panned.elevation);
+    harness.event(Event::Rotate(0.2));
+    harness.run_steps(2);
+    let twisted = camera(&harness);
+    assert!((twisted.azimuth - orbited.azimuth - 0.2_f64.to_degrees()).abs() < 1e-4);
+}
+
+fn views(harness: &Harness<'_, App>) -> Vec<String> {
+    let cameras = &design(harness).view.cameras;
+    cameras.iter().map(|camera| camera.name.clone()).collect()
+}
+
+#[track_caller]
+fn undo(harness: &mut Harness<'_, App>, name: &str) {
+    assert_eq!(harness.state().document().undo_name(), Some(name));
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    harness.run_steps(3);
+}
+
+fn save_view(harness: &mut Harness<'_, App>, name: &str) {
+    click(harness, "Toolbar: Views");
+    harness
+        .get_by_role_and_label(Role::TextInput, "Name of a new view")
+        .focus();
+    harness.run_steps(2);
+    harness.event(Event::Text(name.into()));
+    harness.run_steps(2);
+    click(harness, "Save this view");
+    harness.run_steps(3);
+}
+
+#[test]
+fn views_are_saved_and_jumped_to_by_keys() {
+    let mut harness = designer(None);
+    let first = camera(&harness);
+    click(&mut harness, "Toolbar: Back");
+    let back = camera(&harness);
+    save_view(&mut harness, "from below");
+    assert_eq!(views(&harness), ["default", "from below"]);
+    assert_eq!(design(&harness).view.cameras[1].elevation, -90.0);
+    // A name that is taken gets a number: names are what --camera knows views by.
+    save_view(&mut harness, "from below");
+    assert_eq!(views(&harness)[2], "from below 2");
+    assert!(design(&harness).faults().is_empty());
+    undo(&mut harness, "save view “from below 2”");
+    assert_eq!(views(&harness), ["default", "from below"]);
+
+    harness.key_press_modifiers(Modifiers::ALT, Key::Num1);
+    harness.run_steps(3);
+    assert_eq!(camera(&harness), first);
+    harness.key_press_modifiers(Modifiers::ALT, Key::Num2);
+    harness.run_steps(3);
+    let jumped = camera(&harness);
+    assert_eq!(
+        (jumped.elevation, jumped.distance),
+        (back.elevation, back.distance)
+    );
+    harness.key_press_modifiers(Modifiers::ALT, Key::Num7);
+    harness.run_steps(3);
+    assert!(harness.query_by_label("There is no view 7").is_some());
+    assert_eq!(camera(&harness), jumped);
+    undo(&mut harness, "save view “from below”");
+    assert_eq!(*design(&harness), Design::default());
+}
+
+#[test]
+fn saved_views_are_renamed_set_ordered_and_removed() {
+    let mut harness = designer_of_size(None, vec2(1280.0, 2400.0));
+    open_panel(&mut harness, "View & quality");
+    click(&mut harness, "Toolbar: Macro");
+    click(&mut harness, "Add camera from view");
+    let macro_view = camera(&harness);
+    assert_eq!(views(&harness), ["default", "view 2"]);
+
+    let names: Vec<_> = harness
+        .get_all_by_role_and_label(Role::TextInput, "Name")
+        .map(|node| node.rect().center())
+        .collect();
+    harness.drag_at(names[1]);
+    harness.drop_at(names[1]);
+    harness.run_steps(2);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.run_steps(1);
+    harness.event(Event::Text("loops".into()));
+    harness.run_steps(1);
+    harness.key_press(Key::Enter);
+    harness.run_steps(3);
+    assert_eq!(views(&harness), ["default", "loops"]);
+    assert_eq!(
+        camera(&harness).distance,
+        macro_view.distance,
+        "a name moves nothing"
+    );
+
+    click(&mut harness, "Move camera 2 up");
+    assert_eq!(views(&harness), ["loops", "default"]);
+    undo(&mut harness, "order of views");
+    assert_eq!(views(&harness), ["default", "loops"]);
+
+    click(&mut harness, "Toolbar: Back");
+    click(&mut harness, "Set camera 2 to the view");
+    assert_eq!(design(&harness).view.cameras[1].elevation, -90.0);
+    assert_eq!(views(&harness)[1], "loops");
+    undo(&mut harness, "set view “loops”");
+    assert_eq!(
+        design(&harness).view.cameras[1].distance,
+        macro_view.distance
+    );
+
+    click(&mut harness, "Look through camera 2");
+    assert_eq!(camera(&harness).distance, macro_view.distance);
+    click(&mut harness, "Remove camera 1");
+    assert_eq!(views(&harness), ["loops"]);
+    undo(&mut harness, "remove view “default”");
+    undo(&mut harness, "rename view “loops”");
+    undo(&mut harness, "save view “view 2”");
+    assert_eq!(*design(&harness), Design::default());
+}
+
+fn height_mm(harness: &Harness<'_, App>) -> f64 {
+    camera(harness)
+        .orthographic_height
+        .expect("a parallel view")
+}
+
+/// Whether the status bar, a panel or a notice says so.
+fn is_said(harness: &Harness<'_, App>, text: &str) -> bool {
+    harness.query_all_by_label_contains(text).next().is_some()
+}
+
+#[test]
+fn true_scale_is_a_millimetre_for_a_millimetre_and_stays_so() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = designer_with_folders(folder.path());
+    focus_viewport(&mut harness);
+    harness.key_press(Key::T);
+    harness.run_steps(3);
+    let pixels = |h: &Harness<'_, App>| f64::from(picture_rect(h).height());
+    // 96 pixels an inch at a scale of 1, which is the tests'.
+    assert!((height_mm(&harness) - pixels(&harness) / 96.0 * 25.4).abs() < 1e-6);
+    assert!(is_said(&harness, "·   1:1"));
+    assert!(is_said(&harness, "hold a ruler to the screen"));
+
+    harness.set_size(vec2(1280.0, 600.0));
+    harness.run_steps(3);
+    assert!((height_mm(&harness) - pixels(&harness) / 96.0 * 25.4).abs() < 1e-6);
+
+    // Measured: half a pixel less for every pixel, by typing and by the arrow keys.
+    click(&mut harness, "View");
+    click(&mut harness, "Size of the screen…");
+    type_number(&mut harness, "Dots per inch", "120");
+    assert!((height_mm(&harness) - pixels(&harness) / 120.0 * 25.4).abs() < 1e-6);
+    harness
+        .get_by_role_and_label(Role::Slider, "Right end of the bar")
+        .focus();
+    harness.run_steps(2);
+    harness.key_press(Key::ArrowRight);
+    harness.run_steps(3);
+    // The bar of 100 mm is a pixel longer: f32 arithmetic of some hundred points.
+    let dpi = (100.0 / 25.4 * 120.0 + 1.0) / 100.0 * 25.4;
+    let measured = pixels(&harness) / height_mm(&harness) * 25.4;
+    assert!((measured - dpi).abs() < 0.01, "{measured} is not {dpi}");
+    click(&mut harness, "Done");
+    let again = designer_with_folders(folder.path());
+    assert!(again.state().viewport().screen_is_measured());
+
+    focus_viewport(&mut harness);
+    harness.key_press(Key::Plus);
+    harness.run_steps(3);
+    assert!(is_said(&harness, "·   1.2:1"), "zooming leaves true scale");
+    harness.set_size(vec2(1280.0, 700.0));
+    harness.run_steps(3);
+    assert!(
+        !is_said(&harness, "·   1.2:1"),
+        "a zoomed view keeps its cloth"
+    );
+    let flat = height_mm(&harness);
+    harness.key_press(Key::O);
+    harness.run_steps(3);
+    let lens = camera(&harness);
+    assert_eq!(lens.orthographic_height, None);
+    let shown = 2.0 * lens.distance * (lens.fov.to_radians() / 2.0).tan();
+    assert!(
+        (shown - flat).abs() < 1e-6,
+        "what is looked at keeps its size"
+    );
+    assert!(!harness.state().document().is_unsaved());
+}
+
+fn designer_with_folders(folder: &Path) -> Harness<'static, App> {
+    let folders = Folders {
+        config: folder.join("config"),
+        cache: folder.join("cache"),
+        state: folder.join("state"),
+        presets: folder.join("presets"),
+    };
+    let mut harness = Harness::builder()
+        .with_size(vec2(1280.0, 720.0))
+        .with_step_dt(1.0 / 60.0)
+        .build_eframe(|cc| App::new(cc, setup(striped(), Some(folders))));
+    harness.run_steps(3);
+    wait(&mut harness, "the picture", |h| {
+        h.state().viewport().shown().progress.done
+    });
+    harness.run_steps(3);
+    harness
+}
+
+fn setup(make: towel_designer::designer::MakeBackend, folders: Option<Folders>) -> Setup {
+    Setup {
+        preset: None,
+        choice: BackendChoice::Cpu,
+        make,
+        system_dialogs: false,
+        folders,
+    }
+}
+
+#[test]
+fn the_scale_bar_tells_round_millimetres_of_the_right_length() {
+    let mut harness = designer(None);
+    focus_viewport(&mut harness);
+    harness.key_press(Key::T);
+    harness.run_steps(2);
+    harness.key_press(Key::B);
+    harness.run_steps(3);
+    let value = |h: &Harness<'_, App>| h.get_by_label("Viewport").value().unwrap_or_default();
+    // At 96 pixels an inch 20 mm are 76 points, 50 mm would be 189: more than 160.
+    assert!(
+        value(&harness).ends_with("scale bar 20 mm"),
+        "{}",
+        value(&harness)
+    );
+    for _ in 0..6 {
+        harness.key_press(Key::Plus);
+        harness.run_steps(2);
+    }
+    // 1.2⁶ = 3 times as large.
+    assert!(
+        value(&harness).ends_with("scale bar 10 mm"),
+        "{}",
+        value(&harness)
+    );
+    harness.key_press(Key::B);
+    harness.run_steps(3);
+    assert!(!value(&harness).contains("scale bar"));
+}
+
+/// A backend that draws black and white columns of one pixel, and tints the cloth by its number of warps.
+struct Stripes(FlatBackend, u32);
+
+impl Backend for Stripes {
+    fn kind(&self) -> BackendKind {
+        BackendKind::Cpu
+    }
+
+    fn device_name(&self) -> String {
+        "stripes".into()
+    }
+
+    fn begin(&mut self, request: &RenderRequest) -> Result<(), RenderError> {
+        self.1 = request.scene.sheet.warps;
+        self.0.begin(request)
+    }
+
+    fn advance(&mut self, slice: Duration, stop: &AtomicBool) -> Result<Progress, RenderError> {
+        self.0.advance(slice, stop)
+    }
+
+    fn picture(&mut self) -> Result<Picture, RenderError> {
+        let mut picture = self.0.picture()?;
+        let width = picture.size[0] as usize;
+        let blue = if self.1 == 120 { 0.0 } else { 1.0 };
+        for (index, pixel) in picture.pixels.iter_mut().enumerate() {
+            let white = if (index % width).is_multiple_of(2) {
+                1.0
+            } else {
+                0.0
+            };
+            *pixel = [white, white, blue, 1.0];
+        }
+        Ok(picture)
+    }
+
+    fn counters(&mut self) -> Result<Counters, RenderError> {
+        self.0.counters()
+    }
+
+    fn device_bytes(&self) -> u64 {
+        0
+    }
+}
+
+fn striped() -> towel_designer::designer::MakeBackend {
+    Arc::new(|_| {
+        let flat = FlatBackend {
+            size: [1, 1],
+            samples: 0,
+        };
+        Ok(Box::new(Stripes(flat, 0)))
+    })
+}
+
+/// A designer whose window can be photographed.
+fn photographed() -> Harness<'static, App> {
+    let mut harness = Harness::builder()
+        .with_size(vec2(1000.0, 560.0))
+        .with_step_dt(1.0 / 60.0)
+        .wgpu()
+        .build_eframe(|cc| App::new(cc, setup(striped(), None)));
+    harness.run_steps(3);
+    wait_for_whole_picture(&mut harness, 0);
+    // A gesture, so that the hint is gone.
+    let at = picture_rect(&harness).center();
+    harness.drag_at(at);
+    harness.run_steps(1);
+    harness.hover_at(at + vec2(5.0, 0.0));
+    harness.run_steps(1);
+    harness.drop_at(at + vec2(5.0, 0.0));
+    harness.run_steps(3);
+    let version = harness.state().viewport().shown().version;
+    wait_for_whole_picture(&mut harness, version);
+    harness
+}
+
+fn wait_for_whole_picture(harness: &mut Harness<'_, App>, after: u64) {
+    wait(harness, "the picture", |h| {
+        let shown = h.state().viewport().shown();
+        shown.version >= after && shown.progress.done && !shown.is_reduced
+    });
+    harness.run_steps(3);
+}
+
+/// Whether a pixel is of the blue picture; both have black or white in the other channels.
+fn is_blue(pixel: &image::Rgba<u8>) -> bool {
+    pixel[2] > 200 && pixel[0] < 60
+}
+
+/// Changes of brightness along 120 pixels.
+fn changes(picture: &image::RgbaImage, at: Pos2) -> usize {
+    let (x, y) = (at.x as u32, at.y as u32);
+    let row: Vec<bool> = (x - 60..x + 60)
+        .map(|x| picture.get_pixel(x, y)[0] > 128)
+        .collect();
+    row.windows(2).filter(|pair| pair[0] != pair[1]).count()
+}
+
+#[test]
+fn the_loupe_shows_every_pixel_as_four_by_four() {
+    let mut harness = photographed();
+    let rect = picture_rect(&harness);
+    let at = rect.center().round();
+    harness.hover_at(at);
+    focus_viewport(&mut harness);
+    let without = harness.render().expect("a picture of the window");
+    harness.key_press(Key::L);
+    harness.run_steps(4);
+    let with = harness.render().expect("a picture of the window");
+    // One change a pixel outside, one every fourth inside: give or take one at the ends.
+    let line = at + vec2(0.0, 20.0);
+    assert!(
+        changes(&without, line) >= 110,
+        "{}",
+        changes(&without, line)
+    );
+    assert!(
+        (28..=32).contains(&changes(&with, line)),
+        "{}",
+        changes(&with, line)
+    );
+    harness.key_press(Key::L);
+    harness.run_steps(4);
+    let again = harness.render().expect("a picture of the window");
+    assert!(changes(&again, line) >= 110);
+}
+
+/// Where the blue picture begins on a line across the viewport, as a share of its width; 1 where it does not.
+fn border(harness: &mut Harness<'_, App>) -> f32 {
+    let rect = picture_rect(harness);
+    let picture = harness.render().expect("a picture of the window");
+    let y = (rect.top() + 0.3 * rect.height()) as u32;
+    let (left, right) = (rect.left() as u32 + 3, rect.right() as u32 - 3);
+    let mut row = left..right;
+    let first = row.find(|&x| is_blue(picture.get_pixel(x, y)));
+    (first.unwrap_or(right) as f32 - rect.left()) / rect.width()
+}
+
+#[test]
+fn a_snapshot_is_compared_with_and_restored() {
+    let mut harness = photographed();
+    focus_viewport(&mut harness);
+    harness.key_press(Key::C);
+    harness.run_steps(3);
+    assert!(is_said(&harness, "Nothing to compare with"));
+    click(&mut harness, "Dismiss: Nothing to compare with");
+    focus_viewport(&mut harness);
+    harness.key_press(Key::S);
+    harness.run_steps(3);
+    assert!(harness.state().viewport().is_comparing());
+    let (before, seen) = (design(&harness).clone(), camera(&harness));
+
+    let version = harness.state().viewport().shown().version;
+    type_number(&mut harness, "Warps", "100");
+    wait_for_whole_picture(&mut harness, version + 1);
+    let edited = design(&harness).clone();
+    assert!(
+        (border(&mut harness) - 0.5).abs() < 0.02,
+        "{}",
+        border(&mut harness)
+    );
+
+    // The divider, by the pointer and by keys.
+    let rect = picture_rect(&harness);
+    let from = pos(rect, 0.5);
+    harness.drag_at(from);
+    harness.run_steps(1);
+    harness.hover_at(pos(rect, 0.75));
+    harness.run_steps(1);
+    harness.drop_at(pos(rect, 0.75));
+    harness.run_steps(3);
+    assert!(
+        (border(&mut harness) - 0.75).abs() < 0.02,
+        "{}",
+        border(&mut harness)
+    );
+    assert_eq!(camera(&harness), seen, "dragging the divider turns nothing");
+    harness
+        .get_by_role_and_label(Role::Slider, "Divider between snapshot and picture")
+        .focus();
+    harness.run_steps(2);
+    for _ in 0..5 {
+        harness.key_press(Key::ArrowLeft);
+        harness.run_steps(2);
+    }
+    assert!(
+        (border(&mut harness) - 0.65).abs() < 0.02,
+        "{}",
+        border(&mut harness)
+    );
+    focus_viewport(&mut harness);
+    harness.key_press(Key::C);
+    harness.run_steps(3);
+    assert!(border(&mut harness) < 0.02, "the snapshot is hidden");
+
+    click(&mut harness, "Toolbar: Front");
+    click(&mut harness, "Toolbar: Compare");
+    click(&mut harness, "Restore snapshot");
+    assert_eq!(*design(&harness), before);
+    assert_eq!(camera(&harness), seen);
+    undo(&mut harness, "restore snapshot");
+    assert_eq!(*design(&harness), edited);
+}
+
+/// A place on the screen at a share of the picture's width.
+fn pos(rect: egui::Rect, share: f32) -> Pos2 {
+    Pos2::new(
+        rect.left() + share * rect.width(),
+        rect.top() + 0.6 * rect.height(),
+    )
+}
+
+#[test]
+fn the_cloth_alone_fills_the_window_until_escape() {
+    let mut harness = designer(None);
+    let before = picture_rect(&harness);
+    harness.key_press(Key::F11);
+    harness.run_steps(4);
+    assert!(harness.query_by_label("Toolbar: Save").is_none());
+    let alone = picture_rect(&harness);
+    assert_eq!(alone.size(), vec2(1280.0, 720.0));
+    let wish = harness.state().viewport().wish().expect("a wish");
+    assert_eq!(wish.size, [1280, 720]);
+    harness.key_press(Key::Escape);
+    harness.run_steps(4);
+    assert!(harness.query_by_label("Toolbar: Save").is_some());
+    assert_eq!(picture_rect(&harness), before);
+    harness.key_press(Key::F11);
+    harness.run_steps(4);
+    harness.key_press(Key::F11);
+    harness.run_steps(4);
+    assert_eq!(picture_rect(&harness), before);
+}
+
+#[test]
+fn what_lies_under_the_pointer_is_read_out() {
+    let mut harness = designer(None);
+    wait(&mut harness, "the picture", |h| {
+        h.state().viewport().shown().progress.done
+    });
+    click(&mut harness, "Toolbar: Front");
+    let rect = picture_rect(&harness);
+    // From straight above the middle of the picture is the middle of the cloth; a little right and up, the cell beyond.
+    let pitch = design(&harness).sheet.pitch_x();
+    let point = harness.state().viewport().camera.distance * (15_f64.to_radians()).tan() * 2.0
+        / f64::from(rect.height());
+    let cell = (pitch / point) as f32;
+    harness.hover_at(rect.center() + vec2(0.5 * cell, -0.5 * cell));
+    harness.run_steps(4);
+    let readout = *harness.state().viewport().readout().expect("a readout");
+    assert_eq!(readout.cell, [60, 70]);
+    assert!(is_said(&harness, "warp 61, weft 71"));
+    let stands = design(&harness).weave.pattern.stitch(60, 70).front;
+    assert_eq!(readout.loop_mm.is_some(), stands);
+    assert_eq!(is_said(&harness, "#ffffff"), stands, "its yarn's colour");
+    harness.hover_at(rect.center() + vec2(1.5 * cell, -0.5 * cell));
+    harness.run_steps(4);
+    let next = *harness.state().viewport().readout().expect("a readout");
+    assert_eq!(next.cell, [61, 70]);
+    // The default pattern has a loop on every second cell, of about the usual length.
+    let loop_mm = readout.loop_mm.or(next.loop_mm).expect("a loop");
+    let usual = design(&harness).length.value;
+    assert!((loop_mm / usual - 1.0).abs() < 0.35, "{loop_mm} of {usual}");
+    harness.hover_at(Pos2::new(20.0, 400.0));
+    harness.run_steps(4);
+    assert_eq!(harness.state().viewport().readout(), None);
+}
+
+#[test]
+fn the_hint_goes_with_the_first_gesture_and_does_not_come_back() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = designer_with_folders(folder.path());
+    let hint = "Drag to turn the cloth";
+    assert!(is_said(&harness, hint));
+    let at = picture_rect(&harness).center();
+    harness.drag_at(at);
+    harness.run_steps(1);
+    harness.hover_at(at + vec2(30.0, 10.0));
+    harness.run_steps(1);
+    harness.drop_at(at + vec2(30.0, 10.0));
+    harness.run_steps(3);
+    assert!(!is_said(&harness, hint));
+    drop(harness);
+    let again = designer_with_folders(folder.path());
+    assert!(!is_said(&again, hint));
+}
+
+#[test]
+fn fast_light_is_offered_only_where_it_means_something() {
+    let mut harness = designer_of_size(None, vec2(1280.0, 2400.0));
+    let label = "Light in the viewport";
+    assert!(harness.query_by_label(label).is_some());
+    open_panel(&mut harness, "View & quality");
+    type_number(&mut harness, "Bounces", "1");
+    assert!(harness.query_by_label(label).is_none(), "one bounce");
+    type_number(&mut harness, "Bounces", "8");
+    assert!(harness.query_by_label(label).is_some());
+    type_number(&mut harness, "Traced bounces", "2");
+    assert!(harness.query_by_label(label).is_none(), "the design says");
+}
+
+#[test]
+fn a_lost_window_leaves_its_document_to_the_next() {
+    let device = Arc::new(std::sync::OnceLock::new());
+    let of_window = Arc::clone(&device);
+    let mut harness = Harness::builder()
+        .with_size(vec2(1000.0, 560.0))
+        .wgpu()
+        .build_eframe(move |cc| {
+            let state = cc.wgpu_render_state.as_ref().expect("a device");
+            let _ = of_window.set(state.device.clone());
+            App::new(cc, setup(striped(), None))
+        });
+    harness.run_steps(3);
+    type_number(&mut harness, "Warps", "60");
+    assert!(!harness.state().shelf().is_filled());
+    let device: &wgpu::Device = device.get().expect("a device");
+    device.destroy();
+    device.poll(wgpu::PollType::Poll).expect("polled");
+    harness.step();
+    assert!(harness.state().shelf().is_filled());
+    let closes = harness
+        .output()
+        .viewport_output
+        .values()
+        .any(|viewport| viewport.commands.contains(&egui::ViewportCommand::Close));
+    assert!(closes, "the window is to be closed");
+    // Nothing is drawn: what draws has no device.
+    assert!(harness.query_by_label("Viewport").is_none());
+}

@@ -412,6 +412,43 @@ fn the_loop_turns_under_the_pointer_when_dragged_and_by_keys_and_edits_nothing()
 }
 
 #[test]
+fn a_loop_that_cannot_be_drawn_is_told_and_tried_once() {
+    let tried = Arc::new(Mutex::new(0));
+    let counter = Arc::clone(&tried);
+    let mut harness = Harness::builder()
+        .with_size(vec2(1280.0, 2000.0))
+        .with_step_dt(1.0 / 60.0)
+        .build_eframe(|cc| {
+            let setup = Setup {
+                preset: None,
+                choice: BackendChoice::Reference,
+                make: Arc::new(move |choice| match choice {
+                    BackendChoice::Cpu => {
+                        *counter.lock().expect("whole") += 1;
+                        Err(RenderError::Device("out of order".into()))
+                    }
+                    _ => Ok(Box::new(FlatBackend {
+                        size: [1, 1],
+                        samples: 0,
+                    })),
+                }),
+                system_dialogs: false,
+                folders: None,
+            };
+            App::new(cc, setup)
+        });
+    harness.run_steps(3);
+    open_panel(&mut harness, "Pile");
+    wait(&mut harness, "the reason", |h| {
+        let node = h.get_by_role_and_label(Role::Image, "One loop");
+        node.value()
+            .is_some_and(|told| told.contains("out of order"))
+    });
+    harness.run_steps(30);
+    assert_eq!(*tried.lock().expect("whole"), 1);
+}
+
+#[test]
 fn a_loops_picture_differs_with_plies_hair_and_kind() {
     // The volumes themselves: what the picture is made of.
     let voxels = |change: fn(&mut Pile)| {

@@ -13,6 +13,8 @@ use renderer_core::design::{
     Method, OPAQUE_FROM, Pattern, Pile, Quality, Sheet, SkeletonDesign, Sun, View, Weave,
 };
 
+use renderer_core::scene::luma;
+
 use crate::designer::small_pictures::{Drawn, Job, Key, SmallPictures, Subject};
 use crate::designer::style;
 use crate::designer::widgets::arrow_keys;
@@ -42,9 +44,7 @@ const SAMPLES: [u32; 2] = [6, 40];
 struct Look {
     pile: Pile,
     length_mm: f64,
-    chart: Option<ChartImage>,
     colour: Colour,
-    ground: Colour,
     side_px: u32,
 }
 
@@ -57,6 +57,8 @@ struct Turned {
 
 /// The pictures drawn so far, and how the loop is turned.
 pub struct LoopPicture {
+    /// A chart and its mean colour.
+    mean: Option<(ChartImage, Colour)>,
     look: Option<Look>,
     steps: Vec<Option<Turned>>,
     step: usize,
@@ -71,6 +73,7 @@ pub struct LoopPicture {
 impl Default for LoopPicture {
     fn default() -> Self {
         Self {
+            mean: None,
             look: None,
             steps: vec![None; STEPS],
             step: FIRST_STEP,
@@ -92,15 +95,19 @@ pub fn show(
     ui.add_space(2.0);
     ui.horizontal_top(|ui| {
         let (rect, response) = ui.allocate_exact_size(Vec2::splat(SIDE), Sense::click_and_drag());
-        let look = Look::new(ui, design);
+        let colour = picture.colour(&design.chart);
+        let look = Look::new(ui, design, colour);
         if ui.is_rect_visible(rect) {
             let turns = picture.turn(ui, &response);
             picture.follow(ui, look.clone(), turns, small_pictures);
         }
         picture.paint(ui, &response, rect, &look);
-        let degrees = picture.step * 360 / STEPS;
+        let told = match &picture.shown {
+            Some(Err(error)) => format!("not drawn: {error}"),
+            _ => format!("turned by {}°", picture.step * 360 / STEPS),
+        };
         response.widget_info(|| WidgetInfo {
-            current_text_value: Some(format!("turned by {degrees}°")),
+            current_text_value: Some(told.clone()),
             ..WidgetInfo::labeled(Role::Image, ui.is_enabled(), "One loop")
         });
         ui.vertical(|ui| describe(ui, &look));
@@ -120,8 +127,7 @@ fn describe(ui: &mut Ui, look: &Look) {
 }
 
 impl Look {
-    fn new(ui: &Ui, design: &Design) -> Self {
-        let [r, g, b, _] = style::viewport_ground(ui.visuals()).to_array();
+    fn new(ui: &Ui, design: &Design, colour: Colour) -> Self {
         let side = (SIDE * ui.pixels_per_point()).min(MOST_PIXELS);
         Self {
             // How loops lie and differ from each other does not show on one.
@@ -142,18 +148,27 @@ impl Look {
                 ..design.pile.clone()
             },
             length_mm: design.length.longest().min(design.pile.max_length),
-            chart: design.chart.pixels.clone(),
-            colour: design.chart.colour,
-            ground: Colour([r, g, b]),
+            colour,
             side_px: side.round().max(16.0) as u32,
         }
+    }
+
+    /// What is behind the loop: dark behind light yarn, light behind dark yarn, in both themes.
+    fn ground(&self) -> Colour {
+        Colour(
+            [if luma(self.colour.0) > 0.4 {
+                0x4c
+            } else {
+                0xb4
+            }; 3],
+        )
     }
 
     /// Height of the picture, mm.
     fn height_mm(&self) -> f64 {
         let (sin, cos) = ELEVATION.to_radians().sin_cos();
-        let across = self.pile.base_width.max(self.pile.top_width) + self.pile.thickness;
-        1.08 * (self.length_mm * cos + across * sin).max(across)
+        let across = self.pile.base_width.max(self.pile.top_width);
+        1.05 * (self.length_mm * cos + across * sin).max(across + self.pile.thickness)
     }
 
     /// A cloth of this one loop.
@@ -173,7 +188,7 @@ impl Look {
                 back: Back::None,
             },
             chart: Chart {
-                colour: self.chart.as_ref().map_or(self.colour, mean_colour),
+                colour: self.colour,
                 ..Chart::default()
             },
             length: Length {
@@ -203,7 +218,7 @@ impl Look {
                     radiance: 0.35,
                     ..Environment::default()
                 },
-                background: self.ground,
+                background: self.ground(),
             },
             view: View::default(),
             quality: Quality {
@@ -244,6 +259,21 @@ fn mean_colour(chart: &ChartImage) -> Colour {
 }
 
 impl LoopPicture {
+    /// Colour of the loop: the chart's mean, or that of the cloth.
+    fn colour(&mut self, chart: &Chart) -> Colour {
+        let Some(image) = &chart.pixels else {
+            return chart.colour;
+        };
+        match &self.mean {
+            Some((of, mean)) if of == image => *mean,
+            _ => {
+                let mean = mean_colour(image);
+                self.mean = Some((image.clone(), mean));
+                mean
+            }
+        }
+    }
+
     /// Turns by pointer and keys; whether it is turning.
     fn turn(&mut self, ui: &Ui, response: &Response) -> bool {
         if response.clicked() || response.drag_started() {
@@ -326,22 +356,25 @@ impl LoopPicture {
             let texture = texture.clone();
             self.steps[step] = Some(Turned { texture, samples });
         }
+        // What failed would fail again; it is asked for anew when something changes.
+        let goes_on = !drawn.is_final || texture.is_err();
         self.shown = Some(texture);
-        self.asked = (!drawn.is_final).then_some((step, samples, true));
+        self.asked = goes_on.then_some((step, samples, true));
     }
 
     fn paint(&self, ui: &Ui, response: &Response, rect: Rect, look: &Look) {
         let painter = ui.painter_at(rect);
-        painter.rect_filled(rect, 3.0, style::viewport_ground(ui.visuals()));
+        let Colour([r, g, b]) = look.ground();
+        painter.rect_filled(rect, 3.0, Color32::from_rgb(r, g, b));
         match &self.shown {
             Some(Ok(texture)) => {
                 let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
                 painter.image(texture.id(), rect, whole, Color32::WHITE);
-                scale_bar(ui, rect, look.height_mm());
+                scale_bar(ui, rect, look);
             }
             Some(Err(error)) => {
                 let font = FontId::proportional(11.0);
-                let colour = ui.visuals().error_fg_color;
+                let colour = Color32::WHITE;
                 let text = format!("Not drawn: {error}");
                 let galley = painter.layout(text, font, colour, SIDE - 12.0);
                 painter.galley(rect.min + vec2(6.0, 6.0), galley, colour);
@@ -362,7 +395,8 @@ fn texture(ui: &Ui, image: ColorImage) -> TextureHandle {
 }
 
 /// A bar of a round number of mm, about a quarter of the picture long.
-fn scale_bar(ui: &Ui, rect: Rect, height_mm: f64) {
+fn scale_bar(ui: &Ui, rect: Rect, look: &Look) {
+    let height_mm = look.height_mm();
     let quarter = height_mm / 4.0;
     let unit = 10_f64.powf(quarter.log10().floor());
     let factors = [5.0, 2.0, 1.0];
@@ -370,7 +404,8 @@ fn scale_bar(ui: &Ui, rect: Rect, height_mm: f64) {
     let mm = unit * factor.unwrap_or(1.0);
     let length = rect.height() * (mm / height_mm) as f32;
     let from = rect.left_bottom() + vec2(8.0, -8.0);
-    let colour = ui.visuals().weak_text_color();
+    let Colour([ground, ..]) = look.ground();
+    let colour = Color32::from_gray(if ground < 0x80 { 0xe0 } else { 0x20 });
     let painter = ui.painter_at(rect);
     painter.line_segment([from, from + vec2(length, 0.0)], Stroke::new(2.0, colour));
     painter.text(

@@ -1,7 +1,7 @@
 //! Pile: the yarn loops, one of them seen close, and how they scatter light. How they lie is the panel Turbulence's.
 
 use egui::Ui;
-use renderer_core::design::{Design, Phase, Pile};
+use renderer_core::design::{Design, LengthMap, Phase, Pile, PileKind};
 
 use super::Surroundings;
 use super::loop_picture::{self, LoopPicture};
@@ -16,13 +16,19 @@ pub struct State {
 /// Shows the panel.
 pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design, around: &mut Surroundings<'_>) {
     loop_picture::show(ui, &mut state.picture, design, around.small_pictures);
+    let mut rows = design.length.table.iter();
+    let has_loops = design.pile.kind == PileKind::Terry
+        || design.length.map == LengthMap::Lut && rows.any(|row| row.kind == Some(PileKind::Terry));
     let pile = &mut design.pile;
     let fields = Pile::FIELDS;
     choice(ui, "Kind", "What a loop is made of.", &mut pile.kind);
     subheading(ui, "Yarn");
     number(ui, &fields.yarn_diameter, &mut pile.yarn_diameter);
-    number(ui, &fields.plies, &mut pile.plies);
-    number(ui, &fields.twist_per_cm, &mut pile.twist_per_cm);
+    // Cut tufts open up: their fibres are not twisted.
+    ui.add_enabled_ui(has_loops, |ui| {
+        number(ui, &fields.plies, &mut pile.plies);
+        number(ui, &fields.twist_per_cm, &mut pile.twist_per_cm);
+    });
     number(ui, &fields.fibres, &mut pile.fibres);
     number(ui, &fields.hairiness, &mut pile.hairiness);
     number(ui, &fields.density, &mut pile.density);

@@ -64,6 +64,7 @@ pub fn label_of(field: &str) -> String {
         "lean_y" => "Lean lengthwise",
         "jitter" => "Lean jitter",
         "max_albedo" => "Whiteness",
+        "albedo_scale" => "Brightness",
         "frequency" => "Clumps per mm",
         "lacunarity" => "Octave fineness",
         "gain" => "Octave strength",

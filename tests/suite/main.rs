@@ -29,6 +29,7 @@ mod materials;
 mod metrics;
 mod presets;
 mod probes;
+mod recovery;
 mod reference;
 mod same_sample;
 mod sampling;

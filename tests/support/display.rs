@@ -119,7 +119,8 @@ impl Program {
             // Its settings and unsaved designs are not those of who runs the tests.
             .env("HOME", folder)
             .env("XDG_CONFIG_HOME", folder.join("home/config"))
-            .env("XDG_CACHE_HOME", folder.join("home/cache"))
+            // Where nothing can be kept, no pictures of presets are drawn, which would take the machine from the test.
+            .env("XDG_CACHE_HOME", "/dev/null/cache")
             .env("XDG_STATE_HOME", folder.join("home/state"))
             .env("XDG_DATA_HOME", folder.join("home/data"))
             .stderr(Stdio::piped())

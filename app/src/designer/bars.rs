@@ -4,18 +4,28 @@ use egui::{Button, MenuBar, Ui};
 
 use super::command::{Command, keys_of};
 use super::document::Document;
+use super::settings::{SCALES, Settings, ThemeChoice};
+use super::status::short;
 use super::view_bar;
 use super::viewport::Viewport;
 
 /// The menu bar.
-pub fn menu(ui: &mut Ui, document: &Document, viewport: &Viewport, commands: &mut Vec<Command>) {
+pub fn menu(
+    ui: &mut Ui,
+    document: &Document,
+    viewport: &Viewport,
+    settings: &Settings,
+    commands: &mut Vec<Command>,
+) {
     MenuBar::new().ui(ui, |ui| {
         ui.menu_button("File", |ui| {
             item(ui, "New", true, Command::New, commands);
             item(ui, "Open…", true, Command::Open, commands);
+            ui.menu_button("Open recent", |ui| recent(ui, settings, commands));
             ui.separator();
             item(ui, "Save", true, Command::Save, commands);
             item(ui, "Save as…", true, Command::SaveAs, commands);
+            item(ui, "Save as bundle…", true, Command::SaveAsBundle, commands);
             ui.separator();
             item(ui, "Open chart…", true, Command::OpenChart, commands);
             item(
@@ -55,11 +65,58 @@ pub fn menu(ui: &mut Ui, document: &Document, viewport: &Viewport, commands: &mu
         });
         ui.menu_button("View", |ui| {
             view_bar::menu(ui, &document.design, viewport, commands);
+            let scale = settings.scale;
+            ui.menu_button("Interface scale", |ui| scales(ui, scale, commands));
+            ui.menu_button("Theme", |ui| themes(ui, settings.theme, commands));
         });
         ui.menu_button("Help", |ui| {
             item(ui, "Keys and version", true, Command::Help, commands);
         });
     });
+}
+
+/// The files last opened or saved.
+fn recent(ui: &mut Ui, settings: &Settings, commands: &mut Vec<Command>) {
+    if settings.recent.is_empty() {
+        ui.weak("None yet");
+        return;
+    }
+    for path in &settings.recent {
+        let name = path.file_name().unwrap_or(path.as_os_str());
+        let button = ui.button(short(&name.to_string_lossy(), 48));
+        if button.on_hover_text(path.display().to_string()).clicked() {
+            commands.push(Command::OpenPreset(path.clone()));
+            ui.close();
+        }
+    }
+    ui.separator();
+    item(ui, "Clear the list", true, Command::ClearRecent, commands);
+}
+
+fn scales(ui: &mut Ui, now: u32, commands: &mut Vec<Command>) {
+    item(ui, "Larger", true, Command::ScaleStep(1), commands);
+    item(ui, "Smaller", true, Command::ScaleStep(-1), commands);
+    ui.separator();
+    for scale in SCALES {
+        if ui.radio(scale == now, format!("{scale} %")).clicked() {
+            commands.push(Command::Scale(scale));
+            ui.close();
+        }
+    }
+}
+
+/// Light or dark.
+fn themes(ui: &mut Ui, now: ThemeChoice, commands: &mut Vec<Command>) {
+    for (choice, name) in [
+        (ThemeChoice::System, "As the system"),
+        (ThemeChoice::Dark, "Dark"),
+        (ThemeChoice::Light, "Light"),
+    ] {
+        if ui.radio(now == choice, name).clicked() {
+            commands.push(Command::Theme(choice));
+            ui.close();
+        }
+    }
 }
 
 /// A line of a menu with its keys.

@@ -6,7 +6,10 @@ use egui::{Context, Key, KeyboardShortcut, Modifiers};
 use renderer_core::design::CameraDesign;
 
 use super::camera_moves::StandardView;
+use super::filing::LeftBehindChoice;
 use super::live_light::LiveLight;
+use super::presets::PresetCommand;
+use super::settings::ThemeChoice;
 use super::viewport::command::{self as view, ViewCommand};
 use crate::backend::BackendChoice;
 
@@ -17,12 +20,30 @@ pub enum Command {
     New,
     /// Ask for a preset to open.
     Open,
-    /// Open this preset.
+    /// Open this preset, bundle or picture that carries its design.
     OpenPreset(PathBuf),
+    /// Open a copy of the program's own preset of this name.
+    OpenShipped(String),
     /// Save to the document's file, or ask for one.
     Save,
     /// Ask for a file to save to.
     SaveAs,
+    /// Ask for a bundle to save to.
+    SaveAsBundle,
+    /// Save here, whatever is there.
+    SaveTo(PathBuf),
+    /// Open what a program that ended without saving has left behind, or remove it.
+    LeftBehind(LeftBehindChoice),
+    /// Something to do with the user's own presets.
+    Presets(PresetCommand),
+    /// Scale the interface to this many percent.
+    Scale(u32),
+    /// Make the interface one step larger (`1`) or smaller (`-1`).
+    ScaleStep(i32),
+    /// Light or dark.
+    Theme(ThemeChoice),
+    /// Forget the recent files.
+    ClearRecent,
     /// Open the export window.
     Export,
     /// Leave the program.
@@ -59,6 +80,16 @@ pub enum Command {
     Help,
 }
 
+impl Command {
+    /// With the name that was typed for it.
+    pub fn with_name(self, name: &str) -> Self {
+        match self {
+            Self::Presets(command) => Self::Presets(command.with_name(name)),
+            other => other,
+        }
+    }
+}
+
 /// Keys of the commands that have some, as the help lists them. Longer combinations first: egui's matching ignores a
 /// Shift that a shortcut does not name.
 pub const SHORTCUTS: &[(Command, KeyboardShortcut, &str)] = &[
@@ -71,6 +102,14 @@ pub const SHORTCUTS: &[(Command, KeyboardShortcut, &str)] = &[
     (Command::Undo, ctrl(Key::Z), "Undo"),
     (Command::Redo, ctrl(Key::Y), "Redo"),
     (Command::Quit, ctrl(Key::Q), "Quit"),
+    (Command::ScaleStep(1), ctrl(Key::Plus), "Larger interface"),
+    (Command::ScaleStep(1), ctrl(Key::Equals), "Larger interface"),
+    (
+        Command::ScaleStep(-1),
+        ctrl(Key::Minus),
+        "Smaller interface",
+    ),
+    (Command::Scale(100), ctrl(Key::Num0), "Interface at 100 %"),
     (
         Command::Help,
         KeyboardShortcut::new(Modifiers::NONE, Key::F1),

@@ -15,6 +15,8 @@ pub enum Purpose {
     OpenPreset,
     /// A file to save the design to.
     SavePreset,
+    /// A bundle to save the design as.
+    SaveBundle,
     /// A chart image.
     OpenChart,
     /// An image of the surroundings.
@@ -24,10 +26,29 @@ pub enum Purpose {
 }
 
 impl Purpose {
+    /// Name under which the folder last used is remembered.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::OpenPreset | Self::SavePreset | Self::SaveBundle => "designs",
+            Self::OpenChart => "charts",
+            Self::OpenEnvironment => "surroundings",
+            Self::ExportPng => "pictures",
+        }
+    }
+
+    /// Whether such files lie in a folder of their own rather than beside the design.
+    pub fn has_own_folder(self) -> bool {
+        matches!(
+            self,
+            Self::OpenChart | Self::OpenEnvironment | Self::ExportPng
+        )
+    }
+
     fn kind(self) -> FileKind {
         let (title, name, endings, saving): (_, _, &[&str], _) = match self {
-            Self::OpenPreset => ("Open preset", "presets", &["toml"], false),
-            Self::SavePreset => ("Save preset as", "presets", &["toml"], true),
+            Self::OpenPreset => ("Open design", "designs", &["toml", "towel", "png"], false),
+            Self::SavePreset => ("Save design as", "designs", &["toml", "towel"], true),
+            Self::SaveBundle => ("Save as bundle", "bundles", &["towel"], true),
             Self::OpenChart => ("Open chart", "images", &["png", "jpg", "jpeg"], false),
             Self::OpenEnvironment => (
                 "Open surroundings",

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use renderer_core::design::Design;
 
 use super::changes;
-use crate::files::OwnChart;
+use crate::files::{Carried, Opened, Origin, OwnChart, Stamp, Unsaved};
 
 /// Most steps that can be undone. Designs share their charts' tiles, so a step costs little,
 const MAX_STEPS: usize = 1000;
@@ -26,19 +26,34 @@ struct Step {
 }
 
 /// A design with its history and its file.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Document {
     /// What panels show and edit.
     pub design: Design,
     settled: Design,
-    saved: Design,
+    /// What the file holds; nothing for a design that was recovered.
+    saved: Option<Design>,
     path: Option<PathBuf>,
     /// The file of the chart that was painted here, as it was last read or written.
     pub own_chart: Option<OwnChart>,
+    /// Name of a design without a file that was made from something with a name.
+    name: Option<String>,
+    /// Images that lie in no folder.
+    carried: Carried,
+    /// The file's state when it was read or written.
+    stamp: Option<Stamp>,
+    /// Counts the steps, in whichever direction.
+    revision: u64,
     undo: Vec<Step>,
     redo: Vec<Step>,
     /// What the step that is under way is to be called.
     step_name: Option<String>,
+}
+
+impl Default for Document {
+    fn default() -> Self {
+        Self::new(Design::default(), None)
+    }
 }
 
 impl Document {
@@ -54,16 +69,86 @@ impl Document {
                 *image = file.to_string_lossy().into_owned();
             }
         }
+        Self::with_images_found(design, path)
+    }
+
+    fn with_images_found(design: Design, path: Option<PathBuf>) -> Self {
         Self {
             settled: design.clone(),
-            saved: design.clone(),
+            saved: Some(design.clone()),
             design,
+            stamp: path.as_deref().and_then(Stamp::of),
             path,
             own_chart: None,
+            name: None,
+            carried: Carried::default(),
+            revision: 0,
             undo: Vec::new(),
             redo: Vec::new(),
             step_name: None,
         }
+    }
+
+    /// A document of what was read from the file at `path`. Pictures and the program's own presets are no files to
+    /// save to: what is made from them is new, and keeps their name.
+    pub fn opened(opened: Opened, path: PathBuf) -> Self {
+        let Opened {
+            design,
+            carried,
+            origin,
+            ..
+        } = opened;
+        let name = path.file_stem().map(|stem| stem.to_string_lossy().into());
+        let document = match origin {
+            Origin::Preset => Self::new(design, Some(path)),
+            Origin::Bundle => Self::with_images_found(design, Some(path)),
+            Origin::Picture | Origin::Program => Self {
+                name,
+                ..Self::with_images_found(design, None)
+            },
+        };
+        Self {
+            carried,
+            ..document
+        }
+    }
+
+    /// A document that a program which ended without saving it has left behind.
+    pub fn recovered(unsaved: Unsaved) -> Self {
+        Self {
+            saved: None,
+            name: unsaved.name,
+            carried: unsaved.carried,
+            stamp: unsaved.stamp,
+            ..Self::with_images_found(unsaved.design, unsaved.path)
+        }
+    }
+
+    /// What is kept of this document until it is saved.
+    pub fn unsaved(&self) -> Unsaved {
+        Unsaved {
+            design: self.settled.clone(),
+            carried: self.carried.clone(),
+            path: self.path.clone(),
+            name: self.name.clone(),
+            stamp: self.stamp,
+        }
+    }
+
+    /// The images that lie in no folder.
+    pub fn carried(&self) -> &Carried {
+        &self.carried
+    }
+
+    /// Counts the steps, undone ones too: as long as it stays the same, so does the settled design.
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// Whether another program has written the file since it was read or saved. A file that is gone loses nothing.
+    pub fn is_changed_outside(&self) -> bool {
+        let now = self.path.as_deref().and_then(Stamp::of);
+        now.is_some() && now != self.stamp
     }
 
     /// The file this document was read from or last saved to.
@@ -73,26 +158,35 @@ impl Document {
 
     /// Name for the window's title: that of the file without its ending.
     pub fn name(&self) -> String {
-        self.path
-            .as_deref()
-            .and_then(Path::file_stem)
-            .map_or_else(|| "untitled".into(), |name| name.to_string_lossy().into())
+        let of_file = self.path.as_deref().and_then(Path::file_stem);
+        of_file
+            .map(|name| name.to_string_lossy().into_owned())
+            .or_else(|| self.name.clone())
+            .unwrap_or_else(|| "untitled".into())
     }
 
     /// Whether there is something that no file holds.
     pub fn is_unsaved(&self) -> bool {
-        self.design != self.saved
+        self.saved.as_ref() != Some(&self.design)
     }
 
     /// Notes that the file at `path` now holds `design`.
     pub fn mark_saved(&mut self, path: PathBuf, design: Design) {
-        self.saved = design;
+        self.saved = Some(design);
+        self.stamp = Stamp::of(&path);
         self.path = Some(path);
     }
 
     /// Names the step that the change just made belongs to, where the designs before and after do not tell.
     pub fn name_step(&mut self, name: String) {
         self.step_name = Some(name);
+    }
+
+    /// Notes that the file at `from` is at `to` now.
+    pub fn file_moved(&mut self, from: &Path, to: &Path) {
+        if self.path.as_deref() == Some(from) {
+            self.path = Some(to.to_owned());
+        }
     }
 
     /// Makes a finished gesture a step of the history. To be called after every frame; while a gesture goes on
@@ -106,6 +200,7 @@ impl Document {
         if self.design == self.settled {
             return;
         }
+        self.revision += 1;
         let before = std::mem::replace(&mut self.settled, self.design.clone());
         let bytes = before.chart.pixels.as_ref().map_or(0, |pixels| {
             pixels.bytes_beside(self.design.chart.pixels.as_ref())
@@ -128,7 +223,7 @@ impl Document {
     /// Keeps equal parts of charts in memory once: the comparisons of every frame then compare pointers.
     fn share_tiles(&mut self) {
         if let Some(pixels) = &mut self.design.chart.pixels {
-            for other in [&self.saved, &self.settled] {
+            for other in self.saved.iter().chain([&self.settled]) {
                 if let Some(other) = &other.chart.pixels {
                     pixels.share_with(other);
                 }
@@ -171,6 +266,7 @@ impl Document {
     }
 
     fn replace(&mut self, design: Design) -> Design {
+        self.revision += 1;
         self.settled = design.clone();
         std::mem::replace(&mut self.design, design)
     }

@@ -16,7 +16,7 @@ use super::renderer::MakeBackend;
 use super::tasks::{Poll, Task};
 use super::viewport::seconds_text;
 use crate::backend::BackendChoice;
-use crate::files;
+use crate::files::{self, Carried};
 
 /// The export window.
 pub struct Export {
@@ -43,9 +43,9 @@ struct Progress {
     seconds: f64,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq)]
 enum Outcome {
-    Written,
+    /// With what the picture does not take along.
+    Written(Vec<String>),
     Cancelled,
 }
 
@@ -54,8 +54,8 @@ enum Outcome {
 pub enum Event {
     /// The user wants to export: ask for the file.
     AskForFile,
-    /// The file is written.
-    Written(PathBuf),
+    /// The file is written; sentences tell what it does not take along of the design.
+    Written(PathBuf, Vec<String>),
     /// It is not, because.
     Failed(PathBuf, String),
 }
@@ -89,6 +89,7 @@ impl Export {
         &mut self,
         path: PathBuf,
         design: Design,
+        carried: Carried,
         camera: &CameraDesign,
         make: MakeBackend,
         ctx: &Context,
@@ -102,6 +103,7 @@ impl Export {
             samples: self.samples,
             choice: self.choice,
             design,
+            carried,
         };
         let (progress_there, cancel_there, repaint) =
             (Arc::clone(&progress), Arc::clone(&cancel), ctx.clone());
@@ -130,9 +132,9 @@ impl Export {
         if let Some(result) = ended {
             let path = self.job.take()?.path.clone();
             return match result {
-                Ok(Outcome::Written) => {
+                Ok(Outcome::Written(warnings)) => {
                     self.is_open = false;
-                    Some(Event::Written(path))
+                    Some(Event::Written(path, warnings))
                 }
                 Ok(Outcome::Cancelled) => None,
                 Err(error) => Some(Event::Failed(path, error)),
@@ -245,6 +247,7 @@ impl Drop for Job {
 struct Order {
     path: PathBuf,
     design: Design,
+    carried: Carried,
     camera: Camera,
     size: [u32; 2],
     samples: u32,
@@ -296,11 +299,14 @@ impl Order {
         let display = Display::from(&self.design.view);
         let png =
             encode_png(&picture, display, Depth::Eight, None).map_err(|error| text(&error))?;
+        // In a document paths of images are whole, or names of what it carries.
+        let embedded = files::embedded(&self.design, &self.carried, Path::new(""))?;
+        let png = files::insert_chunks(png, &embedded.chunks);
         if cancel.load(Ordering::Relaxed) {
             return Ok(Outcome::Cancelled);
         }
         write(&self.path, &png)?;
-        Ok(Outcome::Written)
+        Ok(Outcome::Written(embedded.warnings))
     }
 }
 

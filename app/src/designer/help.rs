@@ -58,7 +58,6 @@ const GESTURES: &[(&str, &str)] = &[
         "Move, select, remove a point",
     ),
     ("Number: double click on label or slider", "Reset"),
-    ("Ctrl and +, −, 0", "Size of the interface"),
 ];
 
 /// Shows the help window.

@@ -18,18 +18,22 @@ mod dialogs;
 mod display_table;
 mod document;
 mod export;
+mod filing;
 mod folders;
 mod help;
+mod keeper;
 pub mod length_pictures;
 mod live_light;
 mod notices;
 pub mod pace;
 pub mod panels;
 mod paste;
-mod preset_list;
+mod presets;
+mod questions;
 mod render_thread;
 mod renderer;
 mod reopen;
+mod settings;
 pub mod small_pictures;
 mod status;
 mod style;
@@ -47,7 +51,6 @@ use std::sync::Arc;
 use anyhow::anyhow;
 use eframe::CreationContext;
 use egui::{CentralPanel, Context, Frame, Margin, Panel, Ui, UiBuilder, ViewportCommand};
-use renderer_core::design::{ChartImage, EnvironmentImage};
 use renderer_core::gpu::DeviceWatch;
 
 pub use command::Command;
@@ -60,18 +63,21 @@ pub use reopen::{Shelf, run};
 pub use widgets::{Icon, label_of, shapes};
 
 use crate::backend::BackendChoice;
-use crate::files::{FileError, Opened, OwnChart};
 use dialogs::Dialogs;
 use export::Export;
+use filing::Filing;
 use notices::Notices;
 use panels::{Panels, Surroundings};
-use preset_list::PresetList;
+use presets::Presets;
 use small_pictures::SmallPictures;
-use tasks::Task;
 use viewport::Viewport;
 
 /// Width beside the panels from which the presets stay while the chart editor is open, points.
 const ROOM_FOR_PRESETS: f32 = 1100.0;
+/// Width of the document's panels at the first start, points.
+const PANELS_WIDTH: f32 = 356.0;
+/// Width of the presets at the first start, points.
+const PRESETS_WIDTH: f32 = 212.0;
 
 /// What the designer starts with.
 pub struct Setup {
@@ -93,16 +99,12 @@ pub struct App {
     viewport: Viewport,
     small_pictures: SmallPictures,
     panels: Panels,
-    presets: PresetList,
+    presets: Presets,
+    filing: Filing,
     dialogs: Dialogs,
     export: Export,
     notices: Notices,
     make: MakeBackend,
-    loading: Option<Task<Loaded>>,
-    /// What waits for the answer to "save changes?".
-    asked: Option<Command>,
-    /// What to do once the design is saved.
-    after_saving: Option<Command>,
     is_quitting: bool,
     /// Frames left to wait for what the clipboard was asked for.
     pasting: Option<u32>,
@@ -112,13 +114,6 @@ pub struct App {
     title: String,
     commands: Vec<Command>,
     shelf: Shelf,
-}
-
-/// A file that was read on another thread.
-enum Loaded {
-    Preset(PathBuf, Result<Box<(Opened, Option<OwnChart>)>, FileError>),
-    Chart(PathBuf, Result<ChartImage, FileError>),
-    Environment(PathBuf, Result<EnvironmentImage, FileError>),
 }
 
 /// Opens a window of the designer's size with what `create` makes, and returns when it is closed.
@@ -164,20 +159,19 @@ impl App {
     pub fn new(cc: &CreationContext<'_>, setup: Setup) -> Self {
         let ctx = &cc.egui_ctx;
         style::apply(ctx);
+        let (filing, failure) = Filing::new(ctx, &setup);
         let config = setup.folders.as_ref().map(|folders| &*folders.config);
         let mut app = Self {
             document: Document::default(),
             viewport: Viewport::new(Arc::clone(&setup.make), setup.choice, cc, config),
             small_pictures: SmallPictures::new(Arc::clone(&setup.make), ctx.clone()),
-            panels: Panels::default(),
-            presets: PresetList::new(ctx),
+            panels: Panels::with_open(filing.settings.open_panels.clone()),
+            presets: Presets::new(ctx, setup.folders.clone()),
             dialogs: Dialogs::new(setup.system_dialogs),
             export: Export::new(setup.choice),
             notices: Notices::default(),
             make: setup.make,
-            loading: None,
-            asked: None,
-            after_saving: None,
+            filing,
             is_quitting: false,
             pasting: None,
             help_is_open: false,
@@ -186,6 +180,9 @@ impl App {
             commands: Vec::new(),
             shelf: Shelf::default(),
         };
+        if let Some(failure) = failure {
+            app.notices.error("Settings not read", failure);
+        }
         app.look_first();
         if let Some(preset) = setup.preset {
             app.load_preset(ctx, preset);
@@ -231,7 +228,8 @@ impl App {
         }
         let mut commands = std::mem::take(&mut self.commands);
         Panel::top("menu").frame(bar).show(ui, |ui| {
-            bars::menu(ui, &self.document, &self.viewport, &mut commands);
+            let settings = &self.filing.settings;
+            bars::menu(ui, &self.document, &self.viewport, settings, &mut commands);
         });
         Panel::top("toolbar")
             .frame(bar)
@@ -245,10 +243,10 @@ impl App {
         let faults = self.document.design.faults();
         let warnings = self.viewport.shown().warnings.clone();
         let mut step_name = None;
-        Panel::left("document")
+        let left = Panel::left("document")
             .frame(side)
             .resizable(true)
-            .default_size(356.0)
+            .default_size(self.filing.settings.panels_width.unwrap_or(PANELS_WIDTH))
             .size_range(330.0..=520.0)
             .show(ui, |ui| {
                 let mut around = Surroundings {
@@ -264,14 +262,16 @@ impl App {
             });
         // In a small window the chart editor and the cloth need the room.
         if !self.panels.chart_editor_is_open() || ui.available_width() > ROOM_FOR_PRESETS {
-            Panel::right("presets")
+            let width = self.filing.settings.presets_width.unwrap_or(PRESETS_WIDTH);
+            let right = Panel::right("presets")
                 .frame(side)
                 .resizable(true)
-                .default_size(186.0)
-                .size_range(140.0..=320.0)
+                .default_size(width)
+                .size_range(150.0..=320.0)
                 .show(ui, |ui| {
                     self.presets.show(ui, self.document.path(), &mut commands);
                 });
+            self.filing.remember_presets(right.response.rect.width());
         }
         if self.panels.chart_editor_is_open() {
             let room = ui.available_width();
@@ -289,6 +289,8 @@ impl App {
         if let Some(name) = step_name {
             self.document.name_step(name);
         }
+        let width = left.response.rect.width();
+        self.filing.remember_panels(width, &self.panels.open);
         self.commands = commands;
         CentralPanel::no_frame().show(ui, |ui| self.show_viewport(ui));
     }
@@ -351,9 +353,10 @@ impl eframe::App for App {
         self.take_pictures(&ctx);
         self.small_pictures.give_way(self.viewport.shown().hurry());
         self.take_loaded();
+        self.take_saved(&ctx, std::time::Duration::ZERO);
         self.take_dropped_files(&ctx);
         self.take_pasted(&ctx);
-        let is_asking = self.dialogs.is_browsing() || self.asked.is_some();
+        let is_asking = self.dialogs.is_browsing() || self.filing.is_asking();
         if !is_asking {
             command::take_shortcuts(&ctx, &mut self.commands);
             self.leave_alone(&ctx);
@@ -362,6 +365,7 @@ impl eframe::App for App {
         self.take_export(&ctx);
         self.take_dialog(&ctx);
         self.ask_to_save(&ctx);
+        self.ask_question(&ctx);
         help::show(&ctx, &mut self.help_is_open);
         self.store_view_settings();
         if !self.commands.is_empty() {
@@ -376,6 +380,7 @@ impl eframe::App for App {
         let gesture_goes_on = ctx.text_edit_focused()
             || ctx.input(|i| i.pointer.any_down() || !i.keys_down.is_empty());
         self.document.settle(gesture_goes_on);
+        self.look_after_files(&ctx, gesture_goes_on);
         self.set_title(&ctx);
     }
 }

@@ -161,7 +161,7 @@ impl Measured {
                     && !shown.is_reduced;
                 if is_drawn {
                     self.enter(Phase::Idle);
-                } else if self.app.loading.is_none() && self.app.document.path().is_none() {
+                } else if !self.app.filing.is_loading() && self.app.document.path().is_none() {
                     return Err(
                         "the preset cannot be opened; towel-designer check tells why".into(),
                     );

@@ -127,6 +127,9 @@ impl App {
     }
 
     fn go_on_from(&mut self, kept: Kept) {
+        if kept.document.is_unsaved() {
+            self.filing.take_over();
+        }
         self.document = kept.document;
         self.viewport.camera = kept.camera;
         self.viewport.light = kept.light;

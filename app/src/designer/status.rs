@@ -160,7 +160,7 @@ fn light(ui: &mut Ui, design: &Design, viewport: &Viewport, commands: &mut Vec<C
 }
 
 /// At most `most` characters, with an ellipsis where some are left out.
-fn short(text: &str, most: usize) -> String {
+pub(super) fn short(text: &str, most: usize) -> String {
     if text.chars().count() <= most {
         return text.into();
     }

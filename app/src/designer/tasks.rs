@@ -1,6 +1,7 @@
 //! Work that may take a while (reading a preset with a large chart), on a thread of its own.
 
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError, channel};
+use std::time::Duration;
 
 use egui::Context;
 
@@ -40,6 +41,15 @@ impl<T: Send + 'static> Task<T> {
             Ok(result) => Poll::Ready(result),
             Err(TryRecvError::Empty) => Poll::Pending,
             Err(TryRecvError::Disconnected) => Poll::Lost,
+        }
+    }
+
+    /// As [`Self::poll`], but waits for it a little: for what is mostly done at once.
+    pub fn poll_for(&self, patience: Duration) -> Poll<T> {
+        match self.receiver.recv_timeout(patience) {
+            Ok(result) => Poll::Ready(result),
+            Err(RecvTimeoutError::Timeout) => Poll::Pending,
+            Err(RecvTimeoutError::Disconnected) => Poll::Lost,
         }
     }
 }

@@ -1,6 +1,6 @@
-//! What menu and toolbar have for the view: standard and saved views, scale, loupe, comparison, backend, light, theme.
+//! What menu and toolbar have for the view: standard and saved views, scale, loupe, comparison, backend, light.
 
-use egui::{Button, Id, Key, TextEdit, ThemePreference, Ui};
+use egui::{Button, Id, Key, TextEdit, Ui};
 use renderer_core::design::{CameraDesign, Design};
 
 use super::bars::{item, tool};
@@ -124,20 +124,6 @@ pub fn menu(ui: &mut Ui, design: &Design, viewport: &Viewport, commands: &mut Ve
             "This design leaves nothing to choose: it traces one scattering, or says itself after how many it estimates.",
         );
     });
-    ui.menu_button("Theme", theme);
-}
-
-fn theme(ui: &mut Ui) {
-    let mut theme = ui.ctx().options(|options| options.theme_preference);
-    for (choice, name) in [
-        (ThemePreference::System, "As the system"),
-        (ThemePreference::Dark, "Dark"),
-        (ThemePreference::Light, "Light"),
-    ] {
-        if ui.radio_value(&mut theme, choice, name).clicked() {
-            ui.ctx().set_theme(theme);
-        }
-    }
 }
 
 /// The view's part of the toolbar.

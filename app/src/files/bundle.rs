@@ -8,8 +8,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use renderer_core::design::{ChartImage, Design, EnvironmentImage, preset};
+use renderer_core::image::encode_chart_png;
 
-use super::images::{decode_chart, decode_environment, encode_chart, encode_environment};
+use super::images::{decode_chart, decode_environment, encode_environment};
 use super::zip::{self, Archive};
 use super::{Carried, FileError, LARGEST_PRESET, write_atomically};
 
@@ -105,7 +106,7 @@ impl Packer {
             Some((last, image)) if last == pixels => image.clone(),
             _ => {
                 let same = |bytes: &[u8]| decode_chart(bytes).is_ok_and(|i| i == *pixels);
-                let encode = || encode_chart(pixels).map_err(|error| error.to_string());
+                let encode = || encode_chart_png(pixels, &[]).map_err(|error| error.to_string());
                 found.image("chart", "png", same, encode)?
             }
         };
@@ -231,9 +232,14 @@ impl Packed {
 
     /// The bundle.
     pub fn archive(&self) -> Result<Vec<u8>, String> {
-        let preset = (PRESET, self.text.as_bytes());
+        self.archive_with(None)
+    }
+
+    /// The bundle with a member more.
+    pub fn archive_with(&self, more: Option<(&str, &[u8])>) -> Result<Vec<u8>, String> {
+        let preset = std::iter::once((PRESET, self.text.as_bytes())).chain(more);
         let images = self.images.iter().map(|(name, bytes)| (name, &**bytes));
-        zip::write(std::iter::once(preset).chain(images)).map_err(|error| error.to_string())
+        zip::write(preset.chain(images)).map_err(|error| error.to_string())
     }
 }
 

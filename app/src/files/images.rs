@@ -9,7 +9,7 @@ use image::{DynamicImage, ImageError, ImageFormat, ImageReader, Limits};
 use renderer_core::design::{
     ChartImage, EnvironmentFault, EnvironmentImage, EnvironmentReader, srgb_to_linear,
 };
-use renderer_core::image::{encode_chart_png, encode_exr_channels};
+use renderer_core::image::encode_exr_channels;
 
 use super::FileError;
 
@@ -65,6 +65,7 @@ fn reader_of<R: BufRead + Seek>(
         .map_err(|error| format!("cannot be read: {error}"))
 }
 
+#[allow(clippy::needless_pass_by_value, reason = "as `map_err` hands it over")]
 fn broken(error: ImageError) -> String {
     format!("is broken: {error}")
 }
@@ -159,13 +160,6 @@ fn read_exr_environment<R: BufRead + Seek + Send>(
         .pixels
         .and_then(EnvironmentReader::finish)
         .map_err(|fault| fault.to_string())
-}
-
-/// A PNG of a chart, without loss; the same pixels make the same bytes.
-pub(super) fn encode_chart(
-    chart: &ChartImage,
-) -> Result<Vec<u8>, renderer_core::image::ImageError> {
-    encode_chart_png(chart, &[])
 }
 
 /// An EXR of the surroundings as they are kept: what is read from it is the same light.

@@ -6,15 +6,19 @@
 //! - `embedded`: designs in exported pictures
 //! - `shipped`: the presets that are part of the program
 //! - `own_chart`: charts that were painted here
+//! - `unsaved`: designs in no file yet, kept for the case that the program dies
 //! - `write`: files that are whole or untouched
 
 mod bundle;
 mod carried;
 mod embedded;
 mod images;
+mod outline;
 mod own_chart;
 mod preset;
 mod shipped;
+mod stamp;
+mod unsaved;
 mod write;
 mod zip;
 
@@ -28,12 +32,15 @@ pub use bundle::{BUNDLE_ENDING, Packer, is_bundle, save_bundle};
 pub use carried::Carried;
 pub use embedded::{Embedded, carries_design, embedded, insert_chunks};
 pub use images::{load_chart, load_environment};
+pub use outline::Outline;
 pub use own_chart::OwnChart;
 pub use preset::{
     Opened, Origin, image_path_from, load_design, load_design_with, open_design, open_design_with,
     open_to_edit, save, save_design, save_edited,
 };
 pub use shipped::Shipped;
+pub use stamp::Stamp;
+pub use unsaved::{Keep, LeftBehind, Unsaved};
 pub use write::{check_writable, write_atomically, write_atomically_with};
 
 /// Largest preset file, bytes; the largest stitch pattern takes less than a tenth of it.

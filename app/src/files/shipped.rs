@@ -37,13 +37,19 @@ impl Shipped {
     /// # Errors
     /// None that a test has not found.
     pub fn open(&self) -> Result<Opened, FileError> {
-        let mut carried = Carried::default();
+        let path = format!("{}.toml", self.name);
+        let source = Source::new(Path::new(&path), Origin::Program, self.images());
+        source.open(self.text, &[])
+    }
+
+    /// The images it names.
+    pub(super) fn images(&self) -> Carried {
+        let mut images = Carried::default();
         for (file, bytes) in FILES {
             if !file.ends_with(".toml") && self.text.contains(file) {
-                carried.insert(file, *bytes);
+                images.insert(file, *bytes);
             }
         }
-        let path = format!("{}.toml", self.name);
-        Source::new(Path::new(&path), Origin::Program, carried).open(self.text, &[])
+        images
     }
 }

@@ -16,6 +16,8 @@ mod skeleton;
 mod turbulence;
 mod view_quality;
 
+use std::collections::BTreeMap;
+
 use egui::{CollapsingHeader, RichText, ScrollArea, Ui};
 use renderer_core::design::{CameraDesign, Chart, ChartImage, Design, Fault, Warning};
 
@@ -35,6 +37,8 @@ pub struct Panels {
     pile: pile::State,
     turbulence: turbulence::State,
     light: light::State,
+    /// Whether panels are open, by title, where that is not as they start.
+    pub open: BTreeMap<String, bool>,
 }
 
 /// What panels may see beside the design.
@@ -68,6 +72,14 @@ const TITLES: [Title; 8] = [
 ];
 
 impl Panels {
+    /// Panels of which these are open or closed, by title, and the others as they start.
+    pub fn with_open(open: BTreeMap<String, bool>) -> Self {
+        Self {
+            open,
+            ..Self::default()
+        }
+    }
+
     /// Titles of all panels, from top to bottom.
     pub fn titles() -> impl Iterator<Item = &'static str> {
         TITLES.iter().map(|Title(title, ..)| *title)
@@ -98,7 +110,9 @@ impl Panels {
     pub fn show(&mut self, ui: &mut Ui, design: &mut Design, around: &mut Surroundings<'_>) {
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             for (index, title) in TITLES.iter().enumerate() {
-                section(ui, title, around, |ui, around| match index {
+                let Title(name, _, starts_open) = title;
+                let was_open = self.open.get(*name).copied().unwrap_or(*starts_open);
+                let is_open = section(ui, title, was_open, around, |ui, around| match index {
                     0 => sheet_weave::show(ui, &mut self.sheet_weave, design),
                     1 => chart::show(ui, &mut self.chart, design, around),
                     2 => loop_length::show(ui, &mut self.loop_length, design),
@@ -108,6 +122,9 @@ impl Panels {
                     6 => light::show(ui, &mut self.light, &mut design.light, around),
                     _ => view_quality::show(ui, design, around),
                 });
+                if is_open != was_open {
+                    self.open.insert((*name).into(), is_open);
+                }
             }
             ui.add_space(24.0);
         });
@@ -116,13 +133,15 @@ impl Panels {
 }
 
 /// A collapsible panel, marked where its part of the design has faults, which are told at its top, or warnings, which are
-/// told at its end: they come and go while a slider is dragged, which must not move away under the pointer.
+/// told at its end: they come and go while a slider is dragged, which must not move away under the pointer. Returns
+/// whether the user has it open.
 fn section(
     ui: &mut Ui,
-    Title(title, parts, open): &Title,
+    Title(title, parts, _): &Title,
+    was_open: bool,
     around: &mut Surroundings<'_>,
     body: impl FnOnce(&mut Ui, &mut Surroundings<'_>),
-) {
+) -> bool {
     let concerns = |path: &str| {
         let part = path.split(['.', '[']).next().unwrap_or_default();
         parts.contains(&part)
@@ -137,11 +156,12 @@ fn section(
     } else if !warnings.is_empty() {
         heading = heading.color(ui.visuals().warn_fg_color);
     }
-    CollapsingHeader::new(heading)
+    let has_fault = !faults.is_empty();
+    let header = CollapsingHeader::new(heading)
         .id_salt(title)
-        .default_open(*open)
+        .default_open(was_open)
         // A fault nobody sees cannot be mended.
-        .open((!faults.is_empty()).then_some(true))
+        .open(has_fault.then_some(true))
         .show_unindented(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 3.0;
             for fault in faults {
@@ -155,4 +175,11 @@ fn section(
             ui.add_space(6.0);
         });
     ui.separator();
+    if has_fault {
+        was_open
+    } else if was_open {
+        !header.fully_closed()
+    } else {
+        header.fully_open()
+    }
 }

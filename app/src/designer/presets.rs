@@ -1,0 +1,631 @@
+//! The presets: those that come with the program, and the user's own, each with a picture rendered in the background.
+
+use std::collections::HashMap;
+use std::ffi::OsStr;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command as Process;
+
+use egui::{
+    Button, ColorImage, Context, RichText, ScrollArea, TextEdit, TextureHandle, TextureOptions, Ui,
+    vec2,
+};
+use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
+
+use super::App;
+use super::command::Command;
+use super::folders::Folders;
+use super::questions::Question;
+use super::small_pictures::{Job, Key, SmallPictures, Subject};
+use super::tasks::{Poll, Task};
+use crate::files::{self, BUNDLE_ENDING, Outline, Shipped, is_bundle};
+
+/// Something to do with presets.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum PresetCommand {
+    /// Ask for a name and save the design under it.
+    AskToSave,
+    /// Save the design under this name.
+    Save(String),
+    /// Save it there, whatever is there.
+    SaveTo(PathBuf),
+    /// Copy a preset into the user's folder.
+    Duplicate(Place),
+    /// Ask for another name.
+    AskToRename(PathBuf),
+    /// Give it this name.
+    Rename(PathBuf, String),
+    /// Ask whether to delete it.
+    AskToDelete(PathBuf),
+    /// Delete it.
+    Delete(PathBuf),
+    /// Show it in the file manager.
+    Reveal(PathBuf),
+}
+
+impl PresetCommand {
+    /// With the name that was typed for it.
+    pub fn with_name(self, name: &str) -> Self {
+        match self {
+            Self::Save(_) => Self::Save(name.into()),
+            Self::Rename(path, _) => Self::Rename(path, name.into()),
+            other => other,
+        }
+    }
+}
+
+/// Where a preset is.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub enum Place {
+    /// In the program, under this name.
+    Program(String),
+    /// In a file.
+    File(PathBuf),
+}
+
+/// A preset of the list.
+#[derive(Debug, Clone)]
+struct Preset {
+    name: String,
+    place: Place,
+    outline: Outline,
+}
+
+/// What is read about all presets on another thread.
+struct Listed {
+    /// The presets, with the pictures that were drawn before.
+    presets: Vec<(Preset, Option<ColorImage>)>,
+    /// Whether pictures can be kept. If not, every start would draw them all; then none are drawn.
+    can_keep: bool,
+}
+
+/// The list.
+pub struct Presets {
+    folders: Option<Folders>,
+    list: Vec<Preset>,
+    listing: Option<Task<Listed>>,
+    /// By content: a picture stays right as long as that does.
+    pictures: HashMap<u64, TextureHandle>,
+    /// Being drawn: key and content.
+    drawn: Vec<(Key, u64)>,
+    search: String,
+    is_outdated: bool,
+    /// The file manager at work.
+    revealing: Option<(PathBuf, Task<Result<(), String>>)>,
+}
+
+/// Size of a picture, points.
+const PICTURE: [f32; 2] = [56.0, 42.0];
+/// Size of a picture as it is drawn, pixels: sharp up to an interface scale of 225 %.
+const DRAWN: [u32; 2] = [128, 96];
+/// Samples a pixel of a picture: its noise is hardly seen once reduced to its size on the screen.
+const SAMPLES: u32 = 12;
+
+impl Presets {
+    /// Reads the list in the background.
+    pub fn new(ctx: &Context, folders: Option<Folders>) -> Self {
+        let mut presets = Self {
+            folders,
+            list: Vec::new(),
+            listing: None,
+            pictures: HashMap::new(),
+            drawn: Vec::new(),
+            search: String::new(),
+            is_outdated: false,
+            revealing: None,
+        };
+        presets.read(ctx);
+        presets
+    }
+
+    /// Has the list read anew: the user's folder may have changed.
+    pub fn look_again(&mut self) {
+        self.is_outdated = true;
+    }
+
+    fn read(&mut self, ctx: &Context) {
+        self.is_outdated = false;
+        let folders = self.folders.clone();
+        self.listing = Some(Task::start(ctx, move || list(folders.as_ref())));
+    }
+
+    /// Takes what came from other threads.
+    pub fn take_news(
+        &mut self,
+        ctx: &Context,
+        small_pictures: &mut SmallPictures,
+    ) -> Option<(PathBuf, String)> {
+        if self.listing.is_none() && self.is_outdated {
+            self.read(ctx);
+        }
+        if let Some(Poll::Ready(listed)) = self.listing.as_ref().map(Task::poll) {
+            self.listing = None;
+            self.take_list(ctx, listed, small_pictures);
+        }
+        let cache = self.folders.as_ref().map(|folders| folders.cache.clone());
+        self.drawn.retain(|(key, content)| {
+            let Some(drawn) = small_pictures.take(key) else {
+                return true;
+            };
+            if let Ok(image) = drawn.image {
+                if let (true, Some(cache)) = (drawn.is_final, &cache) {
+                    let (file, image) = (picture_file(cache, *content), image.clone());
+                    // A picture that cannot be kept is drawn again next time.
+                    let _ = Task::start(ctx, move || write_picture(&file, &image));
+                }
+                let texture = ctx.load_texture("preset", image, TextureOptions::LINEAR);
+                self.pictures.insert(*content, texture);
+            }
+            !drawn.is_final
+        });
+        let (path, task) = self.revealing.as_ref()?;
+        let failure = match task.poll() {
+            Poll::Pending => return None,
+            Poll::Ready(Ok(())) => None,
+            Poll::Ready(Err(error)) => Some((path.clone(), error)),
+            Poll::Lost => Some((path.clone(), "the file manager cannot be started".into())),
+        };
+        self.revealing = None;
+        failure
+    }
+
+    fn take_list(&mut self, ctx: &Context, listed: Listed, small_pictures: &mut SmallPictures) {
+        self.list.clear();
+        for (preset, picture) in listed.presets {
+            let content = preset.outline.content;
+            if let Some(picture) = picture {
+                let texture = ctx.load_texture("preset", picture, TextureOptions::LINEAR);
+                self.pictures.insert(content, texture);
+            }
+            let key = Key::Preset(match &preset.place {
+                Place::Program(name) => Path::new("program").join(name),
+                Place::File(path) => path.clone(),
+            });
+            let is_known = self.pictures.contains_key(&content);
+            let is_drawn = self.drawn.contains(&(key.clone(), content));
+            if listed.can_keep && !is_known && !is_drawn {
+                let place = preset.place.clone();
+                small_pictures.draw(Job {
+                    key: key.clone(),
+                    subject: Box::new(move || subject(&place)),
+                    size: DRAWN,
+                    samples: SAMPLES,
+                    is_urgent: false,
+                });
+                self.drawn.push((key, content));
+            }
+            self.list.push(preset);
+        }
+    }
+
+    /// Shows the list; `open` is the document's file.
+    pub fn show(&mut self, ui: &mut Ui, open: Option<&Path>, commands: &mut Vec<Command>) {
+        ui.add_space(2.0);
+        ui.label(RichText::new("Presets").strong().size(13.5));
+        ui.add_space(2.0);
+        let search = TextEdit::singleline(&mut self.search)
+            .hint_text("Search")
+            .desired_width(ui.available_width() - 6.0);
+        ui.add(search)
+            .accessible_name("Search presets")
+            .on_hover_text("Shows the presets whose name or description has these words.");
+        if self.folders.is_some() {
+            let save = ui.button("Save as preset…");
+            let what = "Keeps the design, its chart included, among your own presets.";
+            if save.on_hover_text(what).clicked() {
+                commands.push(Command::Presets(PresetCommand::AskToSave));
+            }
+        }
+        ui.add_space(2.0);
+        let words: Vec<String> = self
+            .search
+            .split_whitespace()
+            .map(str::to_lowercase)
+            .collect();
+        let shown: Vec<&Preset> = self.list.iter().filter(|p| p.has(&words)).collect();
+        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            let (own, shipped): (Vec<&Preset>, Vec<&Preset>) = shown
+                .into_iter()
+                .partition(|preset| matches!(preset.place, Place::File(_)));
+            if own.is_empty() && shipped.is_empty() && self.listing.is_none() {
+                ui.weak(format!("No preset has “{}”.", self.search.trim()));
+            }
+            if !own.is_empty() {
+                ui.label(RichText::new("Your own").weak());
+            }
+            for preset in &own {
+                self.row(ui, preset, open, commands);
+            }
+            if !own.is_empty() && !shipped.is_empty() {
+                ui.add_space(6.0);
+                ui.label(RichText::new("With the program").weak());
+            }
+            for preset in &shipped {
+                self.row(ui, preset, open, commands);
+            }
+            ui.add_space(12.0);
+        });
+    }
+
+    fn row(&self, ui: &mut Ui, preset: &Preset, open: Option<&Path>, commands: &mut Vec<Command>) {
+        let chosen =
+            matches!(&preset.place, Place::File(path) if open.is_some_and(|o| same_file(o, path)));
+        let picture = self.pictures.get(&preset.outline.content);
+        ui.push_id(&preset.place, |ui| {
+            ui.horizontal(|ui| {
+                ui.spacing_mut().item_spacing.x = 2.0;
+                let width = ui.available_width() - 30.0;
+                let size = vec2(PICTURE[0], PICTURE[1]);
+                let button = match picture {
+                    Some(texture) => Button::image_and_text(
+                        egui::Image::new((texture.id(), size))
+                            .fit_to_exact_size(size)
+                            .alt_text(""),
+                        preset.name.as_str(),
+                    ),
+                    None => Button::new(preset.name.as_str()),
+                };
+                let button = button
+                    .selected(chosen)
+                    .frame_when_inactive(chosen)
+                    .min_size(vec2(width, PICTURE[1] + 6.0))
+                    .right_text("")
+                    .truncate();
+                let button = ui
+                    .allocate_ui(vec2(width, PICTURE[1] + 6.0), |ui| ui.add(button))
+                    .inner
+                    .accessible_name(format!("Preset {}", preset.name));
+                let tooltip = preset.tooltip();
+                let button = button.on_hover_text(tooltip);
+                if button.clicked() {
+                    commands.push(preset.open());
+                }
+                button.context_menu(|ui| preset.menu(ui, commands));
+                ui.menu_button("…", |ui| preset.menu(ui, commands))
+                    .response
+                    .accessible_name(format!("More about {}", preset.name))
+                    .on_hover_text("What else can be done with this preset.");
+            });
+        });
+    }
+}
+
+impl Preset {
+    fn has(&self, words: &[String]) -> bool {
+        let text = format!("{} {}", self.name, self.outline.comment).to_lowercase();
+        words.iter().all(|word| text.contains(word))
+    }
+
+    fn tooltip(&self) -> String {
+        match (&self.place, self.outline.comment.as_str()) {
+            (Place::Program(_), "") => self.name.clone(),
+            (Place::Program(_), comment) => comment.into(),
+            (Place::File(path), "") => path.display().to_string(),
+            (Place::File(path), comment) => format!("{comment}\n\n{}", path.display()),
+        }
+    }
+
+    fn open(&self) -> Command {
+        match &self.place {
+            Place::Program(name) => Command::OpenShipped(name.clone()),
+            Place::File(path) => Command::OpenPreset(path.clone()),
+        }
+    }
+
+    fn menu(&self, ui: &mut Ui, commands: &mut Vec<Command>) {
+        let mut item = |ui: &mut Ui, text: &str, command: Command| {
+            if ui.button(text).clicked() {
+                commands.push(command);
+                ui.close();
+            }
+        };
+        let duplicate = PresetCommand::Duplicate(self.place.clone());
+        match &self.place {
+            Place::Program(_) => {
+                item(ui, "Open a copy", self.open());
+                item(ui, "Copy to my presets", Command::Presets(duplicate));
+            }
+            Place::File(path) => {
+                let command =
+                    |command: fn(PathBuf) -> PresetCommand| Command::Presets(command(path.clone()));
+                item(ui, "Open", self.open());
+                item(ui, "Duplicate", Command::Presets(duplicate));
+                item(ui, "Rename…", command(PresetCommand::AskToRename));
+                item(ui, "Show in folder", command(PresetCommand::Reveal));
+                ui.separator();
+                item(ui, "Delete…", command(PresetCommand::AskToDelete));
+            }
+        }
+    }
+}
+
+/// All presets, the user's own first, with the pictures that were drawn before.
+fn list(folders: Option<&Folders>) -> Listed {
+    let mut listed: Vec<Preset> = Vec::new();
+    if let Some(folders) = folders {
+        let entries = fs::read_dir(&folders.presets)
+            .into_iter()
+            .flatten()
+            .flatten();
+        let mut files: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
+        files.retain(|path| {
+            let is_hidden = path
+                .file_name()
+                .is_none_or(|name| name.as_encoded_bytes().first() == Some(&b'.'));
+            let is_preset = path.extension() == Some(OsStr::new("toml")) || is_bundle(path);
+            is_preset && !is_hidden
+        });
+        files.sort();
+        listed.extend(files.into_iter().map(|path| Preset {
+            name: stem_of(&path),
+            outline: Outline::of_file(&path),
+            place: Place::File(path),
+        }));
+    }
+    listed.extend(Shipped::all().map(|shipped| Preset {
+        name: shipped.name.into(),
+        outline: Outline::of_shipped(&shipped),
+        place: Place::Program(shipped.name.into()),
+    }));
+    let with_picture = |preset: Preset| {
+        let cache = folders.map(|folders| &folders.cache);
+        let file = cache.map(|cache| picture_file(cache, preset.outline.content));
+        let picture = file.and_then(|file| read_picture(&file));
+        (preset, picture)
+    };
+    Listed {
+        presets: listed.into_iter().map(with_picture).collect(),
+        can_keep: folders
+            .is_some_and(|folders| fs::create_dir_all(pictures_folder(&folders.cache)).is_ok()),
+    }
+}
+
+fn stem_of(path: &Path) -> String {
+    path.file_stem()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned()
+}
+
+/// Where the picture of a content is kept; another version of the program may draw it otherwise.
+fn picture_file(cache: &Path, content: u64) -> PathBuf {
+    let [width, height] = DRAWN;
+    let version = env!("CARGO_PKG_VERSION");
+    let name = format!("{content:016x}-{width}x{height}-{SAMPLES}-{version}.png");
+    pictures_folder(cache).join(name)
+}
+
+fn pictures_folder(cache: &Path) -> PathBuf {
+    cache.join("presets")
+}
+
+fn read_picture(path: &Path) -> Option<ColorImage> {
+    let bytes = fs::read(path).ok()?;
+    let picture = image::load_from_memory(&bytes).ok()?.into_rgb8();
+    let size = [picture.width() as usize, picture.height() as usize];
+    (size == DRAWN.map(|side| side as usize)).then(|| ColorImage::from_rgb(size, picture.as_raw()))
+}
+
+fn write_picture(path: &Path, picture: &ColorImage) -> Option<()> {
+    let rgb: Vec<[u8; 3]> = picture
+        .pixels
+        .iter()
+        .map(|pixel| [pixel.r(), pixel.g(), pixel.b()])
+        .collect();
+    let [width, height] = picture.size.map(|side| side as u32);
+    let mut png = Vec::new();
+    PngEncoder::new(&mut png)
+        .write_image(rgb.as_flattened(), width, height, ExtendedColorType::Rgb8)
+        .ok()?;
+    files::write_atomically(path, &png).ok()
+}
+
+/// A preset as its first camera sees it.
+fn subject(place: &Place) -> Result<Subject, String> {
+    let opened = match place {
+        Place::Program(name) => Shipped::named(name).ok_or("is gone")?.open(),
+        Place::File(path) => files::open_design(path),
+    };
+    let design = opened.map_err(|error| error.to_string())?.design;
+    let camera = design.view.cameras.first().cloned().unwrap_or_default();
+    Ok(Subject { design, camera })
+}
+
+fn same_file(a: &Path, b: &Path) -> bool {
+    a == b || matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
+/// Why a name cannot be a file's on some platform.
+fn fault_of_name(name: &str) -> Option<&'static str> {
+    if name.contains(['/', '\\', ':', '<', '>', '"', '|', '?', '*'])
+        || name.contains(char::is_control)
+    {
+        Some("A name cannot have any of / \\ : < > \" | ? *")
+    } else if name.starts_with('.') || name.ends_with('.') {
+        Some("A name cannot begin or end with a dot.")
+    } else if name.len() > 200 {
+        Some("The name is too long.")
+    } else {
+        None
+    }
+}
+
+impl App {
+    pub(super) fn perform_preset(&mut self, ctx: &Context, command: PresetCommand) {
+        let Some(folder) = self.presets.folders.as_ref().map(|f| f.presets.clone()) else {
+            let what = "There is no folder for your own presets on this machine.";
+            self.notices.error("Not done", what);
+            return;
+        };
+        match command {
+            PresetCommand::AskToSave => {
+                let text = "It is kept among your own presets, its chart included.";
+                let save = Command::Presets(PresetCommand::Save(String::new()));
+                self.filing.question = Some(
+                    Question::new("Save as preset", text)
+                        .line("Name", self.document.name())
+                        .answer("Save preset", save),
+                );
+            }
+            PresetCommand::Save(name) => {
+                let design = &self.document.design;
+                let has_image =
+                    design.chart.pixels.is_some() || design.light.environment.pixels.is_some();
+                let ending = if has_image { BUNDLE_ENDING } else { "toml" };
+                let path = folder.join(format!("{name}.{ending}"));
+                if let Some(fault) = fault_of_name(&name) {
+                    self.notices.error("Preset not saved", fault);
+                } else if path.exists() {
+                    let replace = PresetCommand::SaveTo(path);
+                    self.filing.question = Some(
+                        Question::new(
+                            "Replace the preset?",
+                            format!("There is a preset “{name}”."),
+                        )
+                        .answer("Replace preset", Command::Presets(replace)),
+                    );
+                } else {
+                    self.save_preset(ctx, path);
+                }
+            }
+            PresetCommand::SaveTo(path) => self.save_preset(ctx, path),
+            PresetCommand::Duplicate(place) => {
+                let copied = copy(&place, &folder);
+                self.tell_preset("Preset not copied", copied.map(Some));
+            }
+            PresetCommand::AskToRename(path) => {
+                let name = stem_of(&path);
+                let rename = PresetCommand::Rename(path, String::new());
+                self.filing.question = Some(
+                    Question::new("Rename preset", "")
+                        .line("Name", name)
+                        .answer("Rename", Command::Presets(rename)),
+                );
+            }
+            PresetCommand::Rename(path, name) => {
+                let renamed = rename(&path, &name);
+                if let Ok(to) = &renamed {
+                    self.document.file_moved(&path, to);
+                    self.filing.settings.remove_recent(&path);
+                }
+                self.tell_preset("Preset not renamed", renamed.map(Some));
+            }
+            PresetCommand::AskToDelete(path) => {
+                let text = format!("{} is removed for good.", path.display());
+                let title = format!("Delete the preset “{}”?", stem_of(&path));
+                let delete = Command::Presets(PresetCommand::Delete(path));
+                self.filing.question = Some(Question::new(title, text).answer("Delete", delete));
+            }
+            PresetCommand::Delete(path) => {
+                let deleted = fs::remove_file(&path);
+                self.filing.settings.remove_recent(&path);
+                let deleted = deleted.map_err(|error| format!("{}: {error}", path.display()));
+                self.tell_preset("Preset not deleted", deleted.map(|()| None));
+            }
+            PresetCommand::Reveal(path) => {
+                let shown = path.clone();
+                let task = Task::start(ctx, move || reveal(&shown));
+                self.presets.revealing = Some((path, task));
+            }
+        }
+    }
+
+    fn save_preset(&mut self, ctx: &Context, path: PathBuf) {
+        self.document.settle(false);
+        if let Some(fault) = self.document.design.faults().first() {
+            self.notices.error("Preset not saved", fault.to_string());
+            return;
+        }
+        let made = path.parent().map_or(Ok(()), fs::create_dir_all);
+        let made = made.map_err(|error| format!("{}: {error}", path.display()));
+        match made {
+            Ok(()) => self.save_copy(ctx, path),
+            Err(error) => self.notices.error("Preset not saved", error),
+        }
+    }
+
+    fn tell_preset(&mut self, title: &str, result: Result<Option<PathBuf>, String>) {
+        self.presets.look_again();
+        match result {
+            Ok(Some(path)) => self.notices.news("Preset kept", path.display().to_string()),
+            Ok(None) => {}
+            Err(error) => self.notices.error(title, error),
+        }
+    }
+}
+
+/// Copies a preset into the user's folder, under a name that is free there.
+fn copy(place: &Place, folder: &Path) -> Result<PathBuf, String> {
+    let opened = match place {
+        Place::Program(name) => Shipped::named(name).ok_or("is gone")?.open(),
+        Place::File(path) => files::open_design(path),
+    };
+    let opened = opened.map_err(|error| error.to_string())?;
+    let (name, from, ending) = match place {
+        Place::Program(name) => {
+            let has_image = opened.carried.iter().next().is_some();
+            let ending = if has_image { BUNDLE_ENDING } else { "toml" };
+            (name.clone(), None, ending.to_owned())
+        }
+        Place::File(path) => {
+            let ending = path.extension().unwrap_or_default().to_string_lossy();
+            let name = format!("{} copy", stem_of(path));
+            (name, Some(path.as_path()), ending.into_owned())
+        }
+    };
+    fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let mut to = folder.join(format!("{name}.{ending}"));
+    let mut number = 2;
+    while to.exists() {
+        to = folder.join(format!("{name} {number}.{ending}"));
+        number += 1;
+    }
+    match (place, ending.as_str()) {
+        // With its comments.
+        (Place::Program(name), "toml") => {
+            let text = Shipped::named(name).map_or("", |shipped| shipped.text);
+            files::write_atomically(&to, text.as_bytes())
+        }
+        (Place::File(path), _) if path.parent() == Some(folder) => {
+            let bytes = fs::read(path).map_err(|error| format!("{}: {error}", path.display()))?;
+            files::write_atomically(&to, &bytes)
+        }
+        _ => files::save(&opened.design, &opened.carried, &to, from),
+    }
+    .map_err(|error| error.to_string())?;
+    Ok(to)
+}
+
+fn rename(path: &Path, name: &str) -> Result<PathBuf, String> {
+    if let Some(fault) = fault_of_name(name) {
+        return Err(fault.into());
+    }
+    let ending = path.extension().unwrap_or_default().to_string_lossy();
+    let to = path.with_file_name(format!("{name}.{ending}"));
+    if to.exists() {
+        return Err(format!("There is a preset “{name}” already."));
+    }
+    fs::rename(path, &to).map_err(|error| format!("{}: {error}", path.display()))?;
+    Ok(to)
+}
+
+/// Shows a file in the platform's file manager.
+fn reveal(path: &Path) -> Result<(), String> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let (program, arguments): (_, Vec<&OsStr>) = if cfg!(windows) {
+        ("explorer", vec![folder.as_os_str()])
+    } else if cfg!(target_os = "macos") {
+        ("open", vec![OsStr::new("-R"), path.as_os_str()])
+    } else {
+        ("xdg-open", vec![folder.as_os_str()])
+    };
+    let failed = |why: String| format!("{program}: {why}");
+    let status = Process::new(program).args(arguments).status();
+    let status = status.map_err(|error| failed(error.to_string()))?;
+    // Explorer ends with 1 whatever it has done.
+    if status.success() || cfg!(windows) {
+        Ok(())
+    } else {
+        Err(failed(status.to_string()))
+    }
+}

@@ -1,0 +1,83 @@
+//! What a list of presets shows of a file, without reading it whole into a design.
+
+use std::fs;
+use std::path::Path;
+
+use renderer_core::design::preset;
+
+use super::bundle::{is_bundle, read_bundle};
+use super::{Carried, LARGEST_PRESET, Shipped};
+
+/// What is to be said of a preset before it is opened.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Outline {
+    /// The comment it begins with, as one paragraph.
+    pub comment: String,
+    /// A number that differs between any two presets that look different.
+    pub content: u64,
+}
+
+impl Outline {
+    /// Of a preset or bundle; empty for a file that cannot be read.
+    pub fn of_file(path: &Path) -> Self {
+        if is_bundle(path) {
+            let Ok(unpacked) = read_bundle(path) else {
+                return Self::default();
+            };
+            return Self::of_text(&unpacked.text, &unpacked.carried);
+        }
+        let small = fs::metadata(path).is_ok_and(|metadata| metadata.len() <= LARGEST_PRESET);
+        let Some(text) = small.then(|| fs::read_to_string(path).ok()).flatten() else {
+            return Self::default();
+        };
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let mut images = Carried::default();
+        let mut design = preset::parse(&text).unwrap_or_default();
+        for name in design.image_paths_mut().into_iter().flatten() {
+            if let Ok(bytes) = fs::read(folder.join(&*name)) {
+                images.insert(name, bytes);
+            }
+        }
+        Self::of_text(&text, &images)
+    }
+
+    /// Of a preset that comes with the program.
+    pub fn of_shipped(shipped: &Shipped) -> Self {
+        Self::of_text(shipped.text, &shipped.images())
+    }
+
+    fn of_text(text: &str, images: &Carried) -> Self {
+        let lines = text.lines().map_while(|line| line.strip_prefix('#'));
+        let words: Vec<&str> = lines.map(str::trim).collect();
+        let comment = words.join(" ").trim().to_owned();
+        let mut hash = Fnv::default();
+        hash.add(text.as_bytes());
+        for (name, bytes) in images.iter() {
+            hash.add(name.as_bytes());
+            hash.add(bytes);
+        }
+        Self {
+            comment,
+            content: hash.0,
+        }
+    }
+}
+
+/// Fowler, Noll and Vo's hash (FNV-1a, 64 bits): the same on every machine and in every version.
+struct Fnv(u64);
+
+impl Default for Fnv {
+    fn default() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+}
+
+impl Fnv {
+    /// Adds a part, and where it ends.
+    fn add(&mut self, bytes: &[u8]) {
+        let length = (bytes.len() as u64).to_le_bytes();
+        for byte in bytes.iter().chain(&length) {
+            self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+}

@@ -4,16 +4,10 @@ use std::cmp::Ordering;
 
 use renderer_core::design::{CameraDesign, Design, Numbers, READY_PATTERNS};
 
-use super::panels::{ReadyLight, turbulence_reset};
 use super::widgets::label_of;
 
 /// What a user would call the step from `before` to `after`: "pile density", "painted stitches", "open chart".
 pub fn describe(before: &Design, after: &Design) -> String {
-    if turbulence_reset(before) == (after.turbulence.clone(), after.pile.clone())
-        && (&before.turbulence, &before.pile) != (&after.turbulence, &after.pile)
-    {
-        return "reset turbulence".into();
-    }
     let parts = [
         sheet(before, after),
         weave(before, after),
@@ -133,17 +127,7 @@ fn length(before: &Design, after: &Design) -> Option<String> {
 
 fn light(before: &Design, after: &Design) -> Option<String> {
     let (a, b) = (&before.light, &after.light);
-    let ready = ReadyLight::ALL.into_iter();
-    let mut ready = ready.filter(|ready| a != b && ready.applied_to(a) == *b);
-    ready
-        .next()
-        .map(|ready| format!("light: {}", ready.name().to_lowercase()))
-        .or_else(|| list("sun", a.sun.len(), b.sun.len()))
-        .or_else(|| {
-            let mut suns = a.sun.iter().zip(&b.sun);
-            let is_moved = suns.any(|(a, b)| a.azimuth != b.azimuth && a.elevation != b.elevation);
-            other(is_moved, "moved sun")
-        })
+    list("sun", a.sun.len(), b.sun.len())
         .or_else(|| {
             let mut suns = a.sun.iter().zip(&b.sun);
             suns.find_map(|(a, b)| numbers("sun", a, b))

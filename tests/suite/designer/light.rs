@@ -116,7 +116,7 @@ fn pressing_a_dot_selects_its_sun_and_keys_move_it() {
     harness.run_steps(3);
     assert_eq!(suns(&harness)[1].elevation, Sun::default().elevation - 5.0);
     assert!(harness.query_by_label("Remove sun 2").is_some());
-    assert_eq!(undo_name(&harness), "sun elevation");
+    assert_eq!(undo_name(&harness), "moved sun");
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     harness.run_steps(3);
     assert_eq!(suns(&harness)[1], Sun::default());

@@ -233,7 +233,7 @@ fn the_table_takes_the_charts_colours_and_keeps_rows_it_has() {
     assert_eq!(table.len(), 2, "{table:?}");
     assert!(table.contains(&red), "{table:?}");
     assert!(table.iter().any(|row| row.colour.0 == [250, 250, 240]));
-    assert_eq!(undo_name(&harness), "table of lengths");
+    assert_eq!(undo_name(&harness), "lengths by the chart's colours");
 
     type_number(&mut harness, "Length of row 1", "1.25");
     assert_eq!(wished(&harness).length.table[0].length, 1.25);

@@ -21,12 +21,15 @@ const WIDTH: usize = 256;
 /// Shows the panel.
 pub fn show(ui: &mut Ui, state: &mut State, light: &mut Light, around: &mut Surroundings<'_>) {
     subheading(ui, "Ready lights");
-    if ready_lights::show(ui, light) {
+    if let Some(ready) = ready_lights::show(ui, light) {
         state.sphere.selected = 0;
+        *around.step_name = Some(format!("light: {}", ready.name().to_lowercase()));
     }
     subheading(ui, "Suns");
     ui.horizontal_top(|ui| {
-        light_sphere::show(ui, &mut state.sphere, light);
+        if light_sphere::show(ui, &mut state.sphere, light) {
+            *around.step_name = Some("moved sun".into());
+        }
         ui.vertical(|ui| list(ui, &mut state.sphere.selected, light));
     });
     if let Some(sun) = light.sun.get_mut(state.sphere.selected) {

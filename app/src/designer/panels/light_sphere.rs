@@ -40,8 +40,8 @@ const REACH: f32 = 11.0;
 /// Degrees for an arrow key.
 const DEGREES_PER_KEY: f64 = 5.0;
 
-/// Shows the sphere and moves suns on it.
-pub fn show(ui: &mut Ui, sphere: &mut LightSphere, light: &mut Light) {
+/// Shows the sphere and moves suns on it; true when one was moved.
+pub fn show(ui: &mut Ui, sphere: &mut LightSphere, light: &mut Light) -> bool {
     let side = 2.0 * (RADIUS + MARGIN);
     let (rect, response) = ui.allocate_exact_size(Vec2::splat(side), Sense::click_and_drag());
     let disc = Disc {
@@ -49,6 +49,7 @@ pub fn show(ui: &mut Ui, sphere: &mut LightSphere, light: &mut Light) {
         radius: RADIUS,
     };
     sphere.selected = sphere.selected.min(light.sun.len().saturating_sub(1));
+    let before = light.sun.clone();
     pointer(ui, sphere, &response, &disc, &mut light.sun);
     keyboard(ui, sphere, &response, &mut light.sun);
     paint(ui, sphere, &response, &disc, light);
@@ -72,6 +73,7 @@ pub fn show(ui: &mut Ui, sphere: &mut LightSphere, light: &mut Light) {
         "Drag a sun over the sphere: in the middle it shines straight down on the cloth, at the rim it grazes it; up is the \
          cloth's far edge. Keys: arrows move the sun, Page up and Page down choose another.",
     );
+    light.sun != before
 }
 
 /// The sphere on the screen.

@@ -8,7 +8,7 @@ use renderer_core::design::{
 use renderer_core::scene::MonotoneCurve;
 
 use super::height_map::{self, HeightMaps};
-use super::length_table;
+use super::{Surroundings, length_table};
 use crate::designer::length_pictures::{BARS, histogram};
 use crate::designer::tasks::Latest;
 use crate::designer::widgets::{CurveEditor, choice, curve_editor, number, subheading};
@@ -26,7 +26,7 @@ pub struct State {
 const COMMONEST: usize = 16;
 
 /// Shows the panel.
-pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design) {
+pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design, around: &mut Surroundings<'_>) {
     let fields = Length::FIELDS;
     let length = &mut design.length;
     let map_before = length.map;
@@ -48,7 +48,9 @@ pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design) {
         }
         LengthMap::Lut => {
             length_table::show(ui, &mut state.table, length, &design.pile);
-            table_buttons(ui, length, &design.chart);
+            if table_buttons(ui, length, &design.chart) {
+                *around.step_name = Some("lengths by the chart's colours".into());
+            }
         }
     }
     height_map::show(ui, &mut state.heights, design);
@@ -105,7 +107,9 @@ fn heights(counts: &[u64; BARS]) -> Vec<f32> {
         .collect()
 }
 
-fn table_buttons(ui: &mut Ui, length: &mut Length, chart: &Chart) {
+/// Buttons that add rows; true when the chart's colours were taken.
+fn table_buttons(ui: &mut Ui, length: &mut Length, chart: &Chart) -> bool {
+    let mut are_taken = false;
     ui.add_space(2.0);
     ui.horizontal(|ui| {
         let room = length.table.len() < Length::MAX_ROWS;
@@ -122,8 +126,10 @@ fn table_buttons(ui: &mut Ui, length: &mut Length, chart: &Chart) {
         let from_chart = from_chart.on_hover_text(what).on_disabled_hover_text(without);
         if let (true, Some(image)) = (from_chart.clicked(), &chart.pixels) {
             take_colours(length, chart, image);
+            are_taken = true;
         }
     });
+    are_taken
 }
 
 /// Rows to begin with: a table without any is a fault.

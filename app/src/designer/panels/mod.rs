@@ -23,7 +23,6 @@ use renderer_core::design::{CameraDesign, Chart, ChartImage, Design, Fault, Warn
 
 pub use chart::yarn_name;
 pub use ready_lights::ReadyLight;
-pub use turbulence::turbulence_reset;
 
 use super::command::Command;
 use super::small_pictures::SmallPictures;
@@ -115,9 +114,9 @@ impl Panels {
                 let is_open = section(ui, title, was_open, around, |ui, around| match index {
                     0 => sheet_weave::show(ui, &mut self.sheet_weave, design),
                     1 => chart::show(ui, &mut self.chart, design, around),
-                    2 => loop_length::show(ui, &mut self.loop_length, design),
+                    2 => loop_length::show(ui, &mut self.loop_length, design, around),
                     3 => pile::show(ui, &mut self.pile, design, around),
-                    4 => turbulence::show(ui, &mut self.turbulence, design),
+                    4 => turbulence::show(ui, &mut self.turbulence, design, around),
                     5 => skeleton::show(ui, &mut design.skeleton),
                     6 => light::show(ui, &mut self.light, &mut design.light, around),
                     _ => view_quality::show(ui, design, around),

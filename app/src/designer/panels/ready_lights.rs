@@ -87,8 +87,8 @@ impl ReadyLight {
     }
 }
 
-/// A line of buttons; true when one was pressed.
-pub fn show(ui: &mut Ui, light: &mut Light) -> bool {
+/// A line of buttons; the light whose button was pressed.
+pub fn show(ui: &mut Ui, light: &mut Light) -> Option<ReadyLight> {
     let mut pressed = None;
     ui.horizontal_wrapped(|ui| {
         for ready in ReadyLight::ALL {
@@ -102,5 +102,5 @@ pub fn show(ui: &mut Ui, light: &mut Light) -> bool {
     if let Some(ready) = pressed {
         *light = ready.applied_to(light);
     }
-    pressed.is_some()
+    pressed
 }

@@ -5,6 +5,7 @@ use egui::{Button, Color32, ColorImage, RichText, Sense, TextureHandle, TextureO
 use renderer_core::design::{Design, Filter, Pile, Turbulence};
 use renderer_core::scene::{CHANNELS, SheetGeometry, TurbulenceField};
 
+use super::Surroundings;
 use crate::designer::tasks::Latest;
 use crate::designer::widgets::{choice, more, number, show_thumbnail, subheading};
 
@@ -21,7 +22,7 @@ pub struct State {
 const MOST_CELLS: u32 = 96;
 
 /// Shows the panel.
-pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design) {
+pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design, around: &mut Surroundings<'_>) {
     thumbnails(ui, state, design);
     let pile = &mut design.pile;
     let of_pile = Pile::FIELDS;
@@ -58,11 +59,14 @@ pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design) {
             number(ui, &fields.filter_radius, &mut turbulence.filter_radius);
         });
     });
-    reset(ui, design);
+    if reset(ui, design) {
+        *around.step_name = Some("reset turbulence".into());
+    }
 }
 
-/// What turbulence and pile are with everything in this panel as a new design has it.
-pub fn turbulence_reset(design: &Design) -> (Turbulence, Pile) {
+/// A button that gives everything in this panel the value that a new design has; true when it was pressed.
+fn reset(ui: &mut Ui, design: &mut Design) -> bool {
+    ui.add_space(3.0);
     let usual = Design::default();
     let pile = Pile {
         tilt: usual.pile.tilt,
@@ -73,20 +77,14 @@ pub fn turbulence_reset(design: &Design) -> (Turbulence, Pile) {
         length_jitter: usual.pile.length_jitter,
         ..design.pile.clone()
     };
-    (usual.turbulence, pile)
-}
-
-fn reset(ui: &mut Ui, design: &mut Design) {
-    ui.add_space(3.0);
-    let (turbulence, pile) = turbulence_reset(design);
-    let differs = design.turbulence != turbulence || design.pile != pile;
+    let differs = design.turbulence != usual.turbulence || design.pile != pile;
     let button = ui.add_enabled(differs, Button::new("Reset turbulence"));
-    if button
-        .on_hover_text("Everything in this panel becomes what a new towel has.")
-        .clicked()
-    {
-        (design.turbulence, design.pile) = (turbulence, pile);
+    let what = "Everything in this panel becomes what a new towel has.";
+    let is_pressed = button.on_hover_text(what).clicked();
+    if is_pressed {
+        (design.turbulence, design.pile) = (usual.turbulence, pile);
     }
+    is_pressed
 }
 
 /// What a channel is called, what it does, and how far at most with this pile.

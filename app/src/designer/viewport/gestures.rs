@@ -1,8 +1,8 @@
 //! Drags, wheel, trackpad and keys, turned into camera moves.
 
 use egui::{
-    CursorIcon, Event, EventFilter, Key, Modifiers, MouseWheelSource, MouseWheelUnit,
-    PointerButton, Response, Ui, Vec2,
+    CursorIcon, Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Response,
+    Ui, Vec2,
 };
 use glam::DVec2;
 use renderer_core::design::Design;
@@ -11,6 +11,7 @@ use super::command::KEYS;
 use super::{Area, Viewport};
 use crate::designer::camera_moves;
 use crate::designer::command::Command;
+use crate::designer::widgets::arrow_keys;
 
 /// Degrees of orbit for a point of drag.
 const ORBIT_PER_POINT: f64 = 0.35;
@@ -144,18 +145,14 @@ impl Viewport {
     ) {
         let modifiers = ui.input(|i| i.modifiers);
         // With Ctrl, + and − are the size of the interface.
-        if !response.has_focus() || modifiers.command {
+        if modifiers.command {
             return;
         }
-        let keep = EventFilter {
-            horizontal_arrows: true,
-            vertical_arrows: true,
-            ..EventFilter::default()
+        let Some(arrows) = arrow_keys(ui, response) else {
+            return;
         };
-        ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, keep));
+        let [right, up] = arrows.map(f64::from);
         let presses = |key| ui.input(|i| i.num_presses(key) as f64);
-        let right = presses(Key::ArrowRight) - presses(Key::ArrowLeft);
-        let up = presses(Key::ArrowUp) - presses(Key::ArrowDown);
         let nearer = presses(Key::Plus) + presses(Key::Equals) - presses(Key::Minus);
         let centre = DVec2::new(f64::from(picture.size[0]), f64::from(picture.size[1])) / 2.0;
         if nearer != 0.0 {

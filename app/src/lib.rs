@@ -4,3 +4,4 @@ pub mod backend;
 pub mod cli;
 pub mod designer;
 pub mod files;
+pub mod picture_file;

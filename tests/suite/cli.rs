@@ -278,6 +278,7 @@ fn stats_say_what_was_done() {
     let expected = [
         "adapter",
         "backend",
+        "bands",
         "bytes",
         "crop",
         "dropped_loops",

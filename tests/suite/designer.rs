@@ -4,6 +4,7 @@
 //! Longer than most files because one window is driven: its panels, gestures and dialogs share one set of helpers.
 
 mod chart;
+mod export;
 mod filing;
 mod light;
 mod loops;

@@ -27,6 +27,7 @@ mod layout;
 mod lobes;
 mod materials;
 mod metrics;
+mod picture_file;
 mod presets;
 mod probes;
 mod recovery;

@@ -11,19 +11,15 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use renderer_core::design::{Design, Method, Quality};
-use renderer_core::image::{
-    Background, Depth, Display, ExrLayer, Picture, encode_exr, encode_png, metrics,
-};
-use renderer_core::render::{Backend, Camera, Progress, RenderRequest, Settings};
+use renderer_core::image::{Background, Depth, Display, ExrLayer};
+use renderer_core::render::{Camera, Settings};
 use renderer_core::scene;
 
 use super::stats::{Bytes, Seconds, Stats, scene_bytes};
 use super::{BadArgument, arguments};
 use crate::backend::{self, BackendChoice};
 use crate::files::{self, Opened};
-
-/// How long a backend works between looks at the clock.
-const SLICE: Duration = Duration::from_millis(100);
+use crate::picture_file::{self, BAND_BYTES, Format, Order, Standing};
 
 /// Arguments of `render`.
 #[derive(Debug, clap::Args)]
@@ -75,6 +71,9 @@ pub struct RenderArguments {
     /// Leave the background out: alpha says how much of a pixel is cloth.
     #[arg(long)]
     transparent: bool,
+    /// Most memory for the sums of the picture, in MB; larger pictures are made in bands, with the same result.
+    #[arg(long, value_name = "MB", default_value_t = BAND_BYTES >> 20, value_parser = clap::value_parser!(u64).range(1..=1 << 20))]
+    memory: u64,
     /// Write times, sizes and quality as JSON.
     #[arg(long, value_name = "OUT.json")]
     stats: Option<PathBuf>,
@@ -104,12 +103,6 @@ fn bounces_range() -> std::ops::RangeInclusive<i64> {
     field.min as i64..=field.max as i64
 }
 
-/// What file to make of the picture.
-enum Format {
-    Png(Depth),
-    Exr(Vec<ExrLayer>),
-}
-
 /// Renders and writes.
 pub fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
     let start = Instant::now();
@@ -137,35 +130,46 @@ pub fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
     }
 
     let [width, height] = arguments.size;
-    let request = RenderRequest {
+    let order = Order {
         scene: Arc::clone(&scene),
         camera,
         size: arguments.size,
         crop: arguments.crop.unwrap_or([0, 0, width, height]),
         settings: settings(design, arguments, &format),
+        time: arguments.time.map(Duration::from_secs_f64),
+        chunks: match format {
+            Format::Png(_) => design_chunks(&opened, arguments)?,
+            Format::Exr(_) => Vec::new(),
+        },
+        format,
+        display: Display::from(&design.view),
+        transparent: arguments
+            .transparent
+            .then(|| Background(design.light.background.linear())),
+        band_bytes: arguments.memory << 20,
     };
-    let choice = arguments.backend.for_method(request.settings.method);
+    let choice = arguments.backend.for_method(order.settings.method);
     let mut backend = timed(&mut seconds.pipelines, || backend::make(choice))?;
-    timed(&mut seconds.upload, || backend.begin(&request))?;
-    let pipelines = backend.pipeline_time().as_secs_f64();
-    seconds.pipelines += pipelines;
-    seconds.upload -= pipelines;
-
-    let rendering = Instant::now();
-    let (progress, first) = render(&mut *backend, &request, arguments)?;
-    let picture = backend.picture()?;
-    seconds.render = rendering.elapsed().as_secs_f64();
-    seconds.first_image = (rendering - start + first).as_secs_f64();
-
-    timed(&mut seconds.write, || {
-        let mut file = encode(&picture, design, &format, arguments.transparent)?;
-        if let Format::Png(_) = format {
-            file = with_design(file, &opened, arguments)?;
-        }
-        files::write_atomically(&arguments.output, &file)?;
-        anyhow::Ok(())
-    })?;
-    let nonfinite_pixels = metrics::nonfinite_pixels(&picture);
+    let before = start.elapsed();
+    let bar = Bar::new(arguments.quiet);
+    let never = AtomicBool::new(false);
+    let made = picture_file::make(
+        &order,
+        &mut *backend,
+        &arguments.output,
+        &never,
+        |standing| {
+            bar.show(standing);
+        },
+    )?;
+    drop(bar);
+    seconds.pipelines += made.pipelines.as_secs_f64();
+    seconds.upload = made.upload.as_secs_f64();
+    seconds.render = made.render.as_secs_f64();
+    seconds.write = made.write.as_secs_f64();
+    let first = before + made.upload + made.pipelines + made.first;
+    seconds.first_image = first.as_secs_f64();
+    let nonfinite_pixels = made.nonfinite_pixels;
     if nonfinite_pixels > 0 {
         eprintln!(
             "warning: {nonfinite_pixels} pixels are not finite, which is a fault of this program"
@@ -175,7 +179,7 @@ pub fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
     if let Some(path) = &arguments.stats {
         let kind = backend.kind();
         let counters = match arguments.counters {
-            true => Some(backend.counters()?.into()),
+            true => Some(made.counters.into()),
             false => None,
         };
         seconds.total = start.elapsed().as_secs_f64();
@@ -183,23 +187,25 @@ pub fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
             version: env!("CARGO_PKG_VERSION"),
             adapter: backend.device_name(),
             backend: kind.name(),
-            method: request.settings.method.name(),
-            size: request.size,
-            crop: request.crop,
-            samples: progress.samples,
+            method: order.settings.method.name(),
+            size: order.size,
+            crop: order.crop,
+            samples: made.samples,
+            bands: made.bands,
             loops: scene.loops.counts.planted,
             dropped_loops: scene.loops.counts.dropped,
             seconds,
             counters,
-            error_estimate: progress.error_estimate,
+            error_estimate: made.error_estimate,
             nonfinite_pixels,
             bytes: Bytes {
                 scene: scene_bytes(&scene),
                 per_loop: scene.loops.bytes_per_loop(),
                 gpu_total: match kind {
-                    renderer_core::render::BackendKind::Gpu => backend.device_bytes(),
+                    renderer_core::render::BackendKind::Gpu => made.device_bytes,
                     _ => 0,
                 },
+                band: made.band_bytes,
             },
         };
         let json = serde_json::to_string_pretty(&stats)? + "\n";
@@ -300,36 +306,6 @@ fn settings(design: &Design, arguments: &RenderArguments, format: &Format) -> Se
     }
 }
 
-/// Adds samples until a target is reached. Also returns when the first whole sample was there.
-fn render(
-    backend: &mut dyn Backend,
-    request: &RenderRequest,
-    arguments: &RenderArguments,
-) -> anyhow::Result<(Progress, Duration)> {
-    let start = Instant::now();
-    let limit = arguments.time.map(Duration::from_secs_f64);
-    let bar = Bar::new(arguments.quiet);
-    let never = AtomicBool::new(false);
-    let mut first = None;
-    loop {
-        let left = limit.map(|limit| limit.saturating_sub(start.elapsed()));
-        // Past its time a picture without samples goes on until it has one.
-        let slice = left
-            .filter(|left| !left.is_zero())
-            .map_or(SLICE, |left| left.min(SLICE));
-        let progress = backend.advance(slice, &never)?;
-        let elapsed = start.elapsed();
-        if progress.samples > 0 {
-            first.get_or_insert(elapsed);
-        }
-        bar.show(&progress, request, elapsed, limit);
-        let out_of_time = limit.is_some_and(|limit| elapsed >= limit);
-        if progress.done || (out_of_time && progress.samples > 0) {
-            return Ok((progress, first.unwrap_or(elapsed)));
-        }
-    }
-}
-
 /// The progress bar: drawn on stderr, and only if that is a terminal.
 struct Bar(ProgressBar);
 
@@ -349,23 +325,18 @@ impl Bar {
         })
     }
 
-    fn show(
-        &self,
-        progress: &Progress,
-        request: &RenderRequest,
-        elapsed: Duration,
-        limit: Option<Duration>,
-    ) {
-        let samples = f64::from(progress.samples) / f64::from(request.settings.samples);
-        let time = limit.map_or(0.0, |limit| elapsed.as_secs_f64() / limit.as_secs_f64());
-        // An error falls with about the square root of the samples, so its inverse square shows how far it is.
-        let error = progress.error_estimate.filter(|error| *error > 0.0);
-        let error_share = error.map_or(0.0, |error| (request.settings.error / error).powi(2));
-        let share = samples.max(time).max(error_share).clamp(0.0, 1.0);
-        self.0.set_position((share * Self::LENGTH as f64) as u64);
-        let error = error.map_or_else(String::new, |error| format!(" · error {error:.4}"));
+    fn show(&self, standing: &Standing) {
         self.0
-            .set_message(format!("{} samples{error}", progress.samples));
+            .set_position((standing.share * Self::LENGTH as f64) as u64);
+        let error = standing.error.filter(|error| *error > 0.0);
+        let error = error.map_or_else(String::new, |error| format!(" · error {error:.4}"));
+        let [band, bands] = standing.band;
+        let band = match bands {
+            1 => String::new(),
+            _ => format!("band {band} of {bands} · "),
+        };
+        self.0
+            .set_message(format!("{band}{} samples{error}", standing.samples));
     }
 }
 
@@ -375,12 +346,8 @@ impl Drop for Bar {
     }
 }
 
-/// A PNG with the design it shows in it.
-fn with_design(
-    png: Vec<u8>,
-    opened: &Opened,
-    arguments: &RenderArguments,
-) -> anyhow::Result<Vec<u8>> {
+/// What a PNG carries of the design it shows.
+fn design_chunks(opened: &Opened, arguments: &RenderArguments) -> anyhow::Result<Vec<Vec<u8>>> {
     let folder = arguments.preset.parent().unwrap_or(Path::new(""));
     let embedded = files::embedded(&opened.design, &opened.carried, folder);
     let embedded = embedded.map_err(anyhow::Error::msg)?;
@@ -389,18 +356,5 @@ fn with_design(
             eprintln!("warning: {warning}");
         }
     }
-    Ok(files::insert_chunks(png, &embedded.chunks))
-}
-
-fn encode(
-    picture: &Picture,
-    design: &Design,
-    format: &Format,
-    transparent: bool,
-) -> anyhow::Result<Vec<u8>> {
-    let background = transparent.then(|| Background(design.light.background.linear()));
-    Ok(match format {
-        Format::Png(depth) => encode_png(picture, Display::from(&design.view), *depth, background)?,
-        Format::Exr(layers) => encode_exr(picture, layers, background)?,
-    })
+    Ok(embedded.chunks)
 }

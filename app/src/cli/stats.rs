@@ -19,8 +19,10 @@ pub struct Stats {
     pub size: [u32; 2],
     /// The part that was rendered: x, y, width, height.
     pub crop: [u32; 4],
-    /// Samples a pixel.
+    /// Samples a pixel; of a picture made in bands the fewest of any band.
     pub samples: u32,
+    /// In how many bands it was made.
+    pub bands: u32,
     /// Loops in the scene.
     pub loops: u64,
     /// Loops left out because they were degenerate.
@@ -68,6 +70,8 @@ pub struct Bytes {
     pub per_loop: f64,
     /// On the GPU; 0 for other backends.
     pub gpu_total: u64,
+    /// Most that the sums and the picture of a band took.
+    pub band: u64,
 }
 
 /// [`Counters`] as written.

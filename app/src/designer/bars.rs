@@ -35,7 +35,7 @@ pub fn menu(
                 Command::OpenEnvironment,
                 commands,
             );
-            item(ui, "Export PNG…", true, Command::Export, commands);
+            item(ui, "Export picture…", true, Command::Export, commands);
             ui.separator();
             item(ui, "Quit", true, Command::Quit, commands);
         });
@@ -178,7 +178,7 @@ pub fn toolbar(ui: &mut Ui, document: &Document, viewport: &Viewport, commands: 
         ui.separator();
         tool(
             ui,
-            "Export PNG",
+            "Export",
             "Renders the picture in full quality and writes it to a file.",
             true,
             Command::Export,

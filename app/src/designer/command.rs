@@ -98,7 +98,7 @@ pub const SHORTCUTS: &[(Command, KeyboardShortcut, &str)] = &[
     (Command::New, ctrl(Key::N), "New design"),
     (Command::Open, ctrl(Key::O), "Open a preset"),
     (Command::Save, ctrl(Key::S), "Save"),
-    (Command::Export, ctrl(Key::E), "Export a PNG"),
+    (Command::Export, ctrl(Key::E), "Export a picture"),
     (Command::Undo, ctrl(Key::Z), "Undo"),
     (Command::Redo, ctrl(Key::Y), "Redo"),
     (Command::Quit, ctrl(Key::Q), "Quit"),

@@ -23,6 +23,8 @@ pub enum Purpose {
     OpenEnvironment,
     /// A picture to write.
     ExportPng,
+    /// A picture of linear light to write.
+    ExportExr,
 }
 
 impl Purpose {
@@ -32,7 +34,7 @@ impl Purpose {
             Self::OpenPreset | Self::SavePreset | Self::SaveBundle => "designs",
             Self::OpenChart => "charts",
             Self::OpenEnvironment => "surroundings",
-            Self::ExportPng => "pictures",
+            Self::ExportPng | Self::ExportExr => "pictures",
         }
     }
 
@@ -40,7 +42,7 @@ impl Purpose {
     pub fn has_own_folder(self) -> bool {
         matches!(
             self,
-            Self::OpenChart | Self::OpenEnvironment | Self::ExportPng
+            Self::OpenChart | Self::OpenEnvironment | Self::ExportPng | Self::ExportExr
         )
     }
 
@@ -57,6 +59,7 @@ impl Purpose {
                 false,
             ),
             Self::ExportPng => ("Export picture as", "pictures", &["png"], true),
+            Self::ExportExr => ("Export picture as", "pictures", &["exr"], true),
         };
         FileKind {
             title,

@@ -513,7 +513,7 @@ impl App {
             Purpose::OpenChart => self.load_chart(ctx, path),
             Purpose::OpenEnvironment => self.load_environment(ctx, path),
             Purpose::SavePreset | Purpose::SaveBundle => self.save_chosen(ctx, path),
-            Purpose::ExportPng => {
+            Purpose::ExportPng | Purpose::ExportExr => {
                 self.filing.remember_folder(purpose.key(), &path);
                 self.start_export(ctx, path);
             }

@@ -321,7 +321,7 @@ impl App {
             if let Some(why) = &shown.instead {
                 notices::show_standing(ui, "Rendered by the processor", why);
             }
-            self.notices.show(ui);
+            self.commands.extend(self.notices.show(ui));
         });
     }
 }

@@ -1,6 +1,11 @@
 //! Messages over the viewport: errors and news, each until it is dismissed or settled.
 
+use std::path::PathBuf;
+
 use egui::{Align, Color32, Frame, Layout, Margin, RichText, ScrollArea, Stroke, Ui};
+
+use super::command::Command;
+use super::presets::PresetCommand;
 
 /// How grave a notice is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,6 +25,8 @@ pub struct Notice {
     pub title: String,
     /// The whole story: file, place, what to do.
     pub text: String,
+    /// A file that can be shown in its folder.
+    pub file: Option<PathBuf>,
 }
 
 /// All messages not yet dismissed.
@@ -34,20 +41,32 @@ const MOST: usize = 4;
 impl Notices {
     /// Tells of a failure.
     pub fn error(&mut self, title: impl Into<String>, text: impl Into<String>) {
-        self.add(Gravity::Error, title.into(), text.into());
+        self.add(Gravity::Error, title.into(), text.into(), None);
     }
 
     /// Tells that something is done. Takes the place of earlier such news.
     pub fn news(&mut self, title: impl Into<String>, text: impl Into<String>) {
         self.list.retain(|notice| notice.gravity != Gravity::News);
-        self.add(Gravity::News, title.into(), text.into());
+        self.add(Gravity::News, title.into(), text.into(), None);
     }
 
-    fn add(&mut self, gravity: Gravity, title: String, text: String) {
+    /// As [`Self::news`], of a file that was written, with a button that shows it in its folder.
+    pub fn news_of_file(
+        &mut self,
+        title: impl Into<String>,
+        text: impl Into<String>,
+        file: PathBuf,
+    ) {
+        self.list.retain(|notice| notice.gravity != Gravity::News);
+        self.add(Gravity::News, title.into(), text.into(), Some(file));
+    }
+
+    fn add(&mut self, gravity: Gravity, title: String, text: String, file: Option<PathBuf>) {
         let notice = Notice {
             gravity,
             title,
             text,
+            file,
         };
         self.list.retain(|other| *other != notice);
         self.list.push(notice);
@@ -55,35 +74,65 @@ impl Notices {
         self.list.drain(..excess);
     }
 
-    /// Shows all messages, the newest first.
-    pub fn show(&mut self, ui: &mut Ui) {
-        let mut dismissed = None;
+    /// Shows all messages, the newest first. What a button of theirs asks for.
+    pub fn show(&mut self, ui: &mut Ui) -> Option<Command> {
+        let mut clicked = None;
         for (index, notice) in self.list.iter().enumerate().rev() {
-            if show_one(ui, notice) {
-                dismissed = Some(index);
+            if let Some(click) = show_one(ui, notice) {
+                clicked = Some((index, click));
             }
         }
-        if let Some(index) = dismissed {
-            self.list.remove(index);
+        match clicked? {
+            (index, Click::Dismiss) => {
+                self.list.remove(index);
+                None
+            }
+            (index, Click::ShowFile) => self.list[index]
+                .file
+                .clone()
+                .map(|file| Command::Presets(PresetCommand::Reveal(file))),
         }
     }
 }
 
-/// Shows a message that stays for as long as its cause: no button.
-pub fn show_standing(ui: &mut Ui, title: &str, text: &str) {
-    banner(ui, ui.visuals().error_fg_color, title, text, false);
+/// What was clicked on a message.
+enum Click {
+    Dismiss,
+    ShowFile,
 }
 
-fn show_one(ui: &mut Ui, notice: &Notice) -> bool {
+/// Shows a message that stays for as long as its cause: no button.
+pub fn show_standing(ui: &mut Ui, title: &str, text: &str) {
+    banner(ui, ui.visuals().error_fg_color, title, text, |_| {});
+}
+
+fn show_one(ui: &mut Ui, notice: &Notice) -> Option<Click> {
     let colour = match notice.gravity {
         Gravity::Error => ui.visuals().error_fg_color,
         Gravity::News => ui.visuals().hyperlink_color,
     };
-    banner(ui, colour, &notice.title, &notice.text, true)
+    let mut clicked = None;
+    banner(ui, colour, &notice.title, &notice.text, |ui| {
+        let dismiss = ui
+            .small_button("Dismiss")
+            .accessible_name(format!("Dismiss: {}", notice.title));
+        if dismiss.clicked() {
+            clicked = Some(Click::Dismiss);
+        }
+        if notice.file.is_some() {
+            let show = ui
+                .small_button("Show in folder")
+                .on_hover_text("Opens the file manager where the file is.");
+            if show.clicked() {
+                clicked = Some(Click::ShowFile);
+            }
+        }
+    });
+    clicked
 }
 
-fn banner(ui: &mut Ui, colour: Color32, title: &str, text: &str, dismissible: bool) -> bool {
-    let mut dismissed = false;
+/// A message with buttons at its right, the first of them outermost.
+fn banner(ui: &mut Ui, colour: Color32, title: &str, text: &str, buttons: impl FnOnce(&mut Ui)) {
     Frame::new()
         .fill(ui.visuals().window_fill)
         .stroke(Stroke::new(1.0, colour))
@@ -94,14 +143,7 @@ fn banner(ui: &mut Ui, colour: Color32, title: &str, text: &str, dismissible: bo
             ui.set_width(ui.available_width());
             ui.horizontal(|ui| {
                 ui.label(RichText::new(title).strong().color(colour));
-                if dismissible {
-                    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                        let button = ui.small_button("Dismiss");
-                        dismissed = button
-                            .accessible_name(format!("Dismiss: {title}"))
-                            .clicked();
-                    });
-                }
+                ui.with_layout(Layout::right_to_left(Align::Center), buttons);
             });
             if !text.is_empty() {
                 ScrollArea::vertical()
@@ -111,5 +153,4 @@ fn banner(ui: &mut Ui, colour: Color32, title: &str, text: &str, dismissible: bo
                     .show(ui, |ui| ui.label(text));
             }
         });
-    dismissed
 }

@@ -89,14 +89,19 @@ impl App {
     }
 
     pub(super) fn take_export(&mut self, ctx: &Context) {
-        match self.export.show(ctx) {
-            Some(Event::AskForFile) => {
-                let name = Export::file_name(&self.document.name());
-                let folder = self.folder_for(Purpose::ExportPng);
-                self.dialogs.ask(Purpose::ExportPng, &folder, &name, ctx);
+        match self.export.show(ctx, &self.document.design) {
+            Some(Event::AskForFile(ending)) => {
+                let name = Export::file_name(&self.document.name(), ending);
+                let purpose = match ending {
+                    "exr" => Purpose::ExportExr,
+                    _ => Purpose::ExportPng,
+                };
+                let folder = self.folder_for(purpose);
+                self.dialogs.ask(purpose, &folder, &name, ctx);
             }
             Some(Event::Written(path, warnings)) => {
-                self.notices.news("Exported", path.display().to_string());
+                let text = path.display().to_string();
+                self.notices.news_of_file("Exported", text, path);
                 if !warnings.is_empty() {
                     let text = warnings.join("\n");
                     self.notices
@@ -104,7 +109,12 @@ impl App {
                 }
             }
             Some(Event::Failed(path, error)) => {
-                let text = format!("{}: {error}", path.display());
+                let file = path.display().to_string();
+                // Errors of files name them already.
+                let text = match error.contains(&file) {
+                    true => error,
+                    false => format!("{file}: {error}"),
+                };
                 self.notices.error("Not exported", text);
             }
             None => {}

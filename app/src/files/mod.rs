@@ -41,7 +41,7 @@ pub use preset::{
 pub use shipped::Shipped;
 pub use stamp::Stamp;
 pub use unsaved::{Keep, LeftBehind, Unsaved};
-pub use write::{check_writable, write_atomically, write_atomically_with};
+pub use write::{Draft, check_writable, write_atomically, write_atomically_with, write_error};
 
 /// Largest preset file, bytes; the largest stitch pattern takes less than a tenth of it.
 const LARGEST_PRESET: u64 = 16 << 20;

@@ -2,8 +2,8 @@
 //! disk, and replace the old file at once, so that a crash or a full disk leaves it as it was.
 
 use std::fs;
-use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
 
 use super::FileError;
 
@@ -76,6 +76,76 @@ pub fn write_together(files: &[(&Path, &[u8])]) -> Result<(), FileError> {
             })?;
     }
     Ok(())
+}
+
+/// A file in the making, for what takes long to make: nameless on the disk that it will be on, so that whatever ends the
+/// program leaves nothing behind.
+pub struct Draft {
+    file: BufWriter<fs::File>,
+    path: PathBuf,
+}
+
+impl Draft {
+    /// An empty file that will be `path`.
+    ///
+    /// # Errors
+    /// When the directory refuses.
+    pub fn new(path: &Path) -> Result<Self, FileError> {
+        let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        let is_device =
+            fs::metadata(&target).is_ok_and(|existing| !existing.is_file() && !existing.is_dir());
+        let folder = match target.parent() {
+            Some(folder) if folder != Path::new("") => folder,
+            _ => Path::new("."),
+        };
+        let file = if is_device {
+            tempfile::tempfile()
+        } else {
+            tempfile::tempfile_in(folder)
+        };
+        Ok(Self {
+            file: BufWriter::new(file.map_err(|source| write_error(path, source))?),
+            path: path.to_owned(),
+        })
+    }
+
+    /// Makes it the file, at once.
+    ///
+    /// # Errors
+    /// When the directory or the disk refuses; an old file is untouched then.
+    pub fn finish(self) -> Result<(), FileError> {
+        let Self { file, path } = self;
+        let rewound = file
+            .into_inner()
+            .map_err(io::IntoInnerError::into_error)
+            .and_then(|mut file| file.rewind().map(|()| file));
+        let mut draft = rewound.map_err(|source| write_error(&path, source))?;
+        write_atomically_with(&path, |file| io::copy(&mut draft, file).map(drop))
+    }
+}
+
+impl Write for Draft {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+impl Seek for Draft {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.file.seek(to)
+    }
+}
+
+/// A file that could not be written, and why.
+pub fn write_error(path: &Path, source: io::Error) -> FileError {
+    FileError::Write {
+        path: path.to_owned(),
+        source,
+    }
 }
 
 /// Whether `path` could be written now, without changing it: asked before minutes of rendering.

@@ -1,12 +1,13 @@
 //! Pictures as bytes of files: PNG (as displayed) and OpenEXR (linear).
 
-use std::io::Cursor;
+use std::io::{self, Cursor};
 
 use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, WritableImage};
 use exr::prelude::{LayerAttributes, SmallVec};
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 
+use super::rows::{PngLook, write_png_rows};
 use super::{Aov, Display, Picture};
 
 /// Why a picture could not be encoded.
@@ -15,12 +16,30 @@ pub enum ImageError {
     /// The PNG encoder failed.
     #[error("PNG: {0}")]
     Png(#[from] image::ImageError),
-    /// The PNG encoder of charts failed.
+    /// Rows and header do not fit together.
+    #[error("{0}")]
+    Rows(&'static str),
+    /// A PNG could not be encoded, or its file could not take it.
     #[error("PNG: {0}")]
-    ChartPng(#[from] png::EncodingError),
+    Encoding(#[from] png::EncodingError),
     /// The EXR encoder failed.
     #[error("EXR: {0}")]
     Exr(#[from] exr::error::Error),
+}
+
+impl ImageError {
+    /// Why the file could not take the picture, if that was it.
+    ///
+    /// # Errors
+    /// Gives itself back if it was something else.
+    pub fn into_io(self) -> Result<io::Error, Self> {
+        match self {
+            Self::Encoding(png::EncodingError::IoError(error))
+            | Self::Exr(exr::error::Error::Io(error))
+            | Self::Png(image::ImageError::IoError(error)) => Ok(error),
+            other => Err(other),
+        }
+    }
 }
 
 /// Bits of a PNG's channels.
@@ -43,44 +62,16 @@ pub fn encode_png(
     depth: Depth,
     transparent: Option<Background>,
 ) -> Result<Vec<u8>, ImageError> {
-    let channels = if transparent.is_some() { 4 } else { 3 };
-    let mut values: Vec<f64> = Vec::with_capacity(picture.pixels.len() * channels);
-    for &[r, g, b, alpha] in &picture.pixels {
-        match transparent {
-            None => values.extend(display.encode([r, g, b])),
-            Some(background) => {
-                let cloth = background.removed([r, g, b], alpha);
-                let straight = cloth.map(|c| if alpha > 0.0 { c / alpha } else { 0.0 });
-                values.extend(display.encode(straight));
-                values.push(f64::from(alpha).clamp(0.0, 1.0));
-            }
-        }
-    }
-    // Values are in [0, 1], or NaN, which `as` makes 0.
-    let (bytes, colour): (Vec<u8>, _) = match (depth, transparent.is_some()) {
-        (Depth::Eight, alpha) => (
-            values.iter().map(|v| (v * 255.0).round() as u8).collect(),
-            if alpha {
-                ExtendedColorType::Rgba8
-            } else {
-                ExtendedColorType::Rgb8
-            },
-        ),
-        (Depth::Sixteen, alpha) => (
-            values
-                .iter()
-                .flat_map(|v| ((v * 65535.0).round() as u16).to_ne_bytes())
-                .collect(),
-            if alpha {
-                ExtendedColorType::Rgba16
-            } else {
-                ExtendedColorType::Rgb16
-            },
-        ),
+    let look = PngLook {
+        display,
+        depth,
+        transparent,
+        chunks: &[],
     };
     let mut file = Vec::new();
-    let [width, height] = picture.size;
-    PngEncoder::new(&mut file).write_image(&bytes, width, height, colour)?;
+    write_png_rows(&mut file, picture.size, &look, || {
+        Ok::<_, ImageError>(picture)
+    })?;
     Ok(file)
 }
 
@@ -102,7 +93,7 @@ pub struct Background(pub [f64; 3]);
 
 impl Background {
     /// Light of the cloth alone, premultiplied with its coverage.
-    fn removed(self, rgb: [f32; 3], alpha: f32) -> [f32; 3] {
+    pub(super) fn removed(self, rgb: [f32; 3], alpha: f32) -> [f32; 3] {
         let Self(background) = self;
         std::array::from_fn(|c| (rgb[c] - (1.0 - alpha) * background[c] as f32).max(0.0))
     }
@@ -131,6 +122,15 @@ pub fn encode_exr(
     layers: &[ExrLayer],
     transparent: Option<Background>,
 ) -> Result<Vec<u8>, ImageError> {
+    encode_exr_channels(picture.size, exr_channels(picture, layers, transparent))
+}
+
+/// Names and values of the channels of a picture, or of some of its rows.
+pub(super) fn exr_channels(
+    picture: &Picture,
+    layers: &[ExrLayer],
+    transparent: Option<Background>,
+) -> Vec<(&'static str, Vec<f32>)> {
     let colour = |c: usize| -> Vec<f32> {
         picture
             .pixels
@@ -159,7 +159,7 @@ pub fn encode_exr(
             }
         }
     }
-    encode_exr_channels(picture.size, channels)
+    channels
 }
 
 fn split<'a>(names: [&'a str; 3], values: &[[f32; 3]]) -> [(&'a str, Vec<f32>); 3] {

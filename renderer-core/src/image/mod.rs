@@ -4,6 +4,7 @@ mod chart_png;
 mod display;
 mod files;
 pub mod metrics;
+mod rows;
 
 pub use chart_png::{encode_chart_png, png_text};
 pub use display::Display;
@@ -11,6 +12,7 @@ pub use files::{
     Background, Depth, ExrLayer, ImageError, encode_exr, encode_exr_channels, encode_png,
     encode_png_gray_alpha,
 };
+pub use rows::{EXR_BLOCK_ROWS, ExrLook, PngLook, write_exr_rows, write_png_rows};
 
 /// What a backend made: linear radiance, row 0 at the top.
 #[derive(Debug, Clone, PartialEq, Default)]

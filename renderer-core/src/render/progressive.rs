@@ -168,7 +168,7 @@ impl Progressive {
 ///
 /// # Errors
 /// Tells what is allowed.
-pub(crate) fn check_size(size: [u32; 2], crop: [u32; 4]) -> Result<(), RenderError> {
+pub fn check_size(size: [u32; 2], crop: [u32; 4]) -> Result<(), RenderError> {
     if size.iter().any(|side| !(1..=MAX_SIDE).contains(side)) {
         let [width, height] = size;
         return Err(RenderError::Size(format!(

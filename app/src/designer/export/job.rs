@@ -1,0 +1,170 @@
+//! An export at work, on a thread of its own.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use egui::Context;
+use renderer_core::design::{CameraDesign, Design};
+use renderer_core::image::{Background, Display};
+use renderer_core::render::{Camera, RenderError, Settings};
+use renderer_core::scene;
+
+use crate::backend::BackendChoice;
+use crate::designer::renderer::MakeBackend;
+use crate::designer::tasks::Task;
+use crate::files::{self, Carried};
+use crate::picture_file::{self, BAND_BYTES, Failure, Format, Standing, TimeLeft};
+
+/// What to render and where to write it.
+pub(super) struct Order {
+    pub path: PathBuf,
+    pub format: Format,
+    pub design: Design,
+    pub carried: Carried,
+    pub camera: CameraDesign,
+    pub size: [u32; 2],
+    pub samples: u32,
+    pub error: f64,
+    pub time: Option<Duration>,
+    pub transparent: bool,
+    pub choice: BackendChoice,
+}
+
+/// How it ended, if it did not fail.
+pub(super) enum Outcome {
+    /// With what the picture does not take along.
+    Written(Vec<String>),
+    /// There is no file.
+    Cancelled,
+}
+
+/// An export at work.
+pub(super) struct Job {
+    pub path: PathBuf,
+    pub task: Task<Result<Outcome, String>>,
+    progress: Arc<Mutex<(Standing, TimeLeft)>>,
+    samples: u32,
+    cancel: Arc<AtomicBool>,
+}
+
+impl Job {
+    /// Starts.
+    pub fn start(order: Arc<Order>, make: MakeBackend, ctx: &Context) -> Self {
+        let progress = Arc::<Mutex<(Standing, TimeLeft)>>::default();
+        let cancel = Arc::<AtomicBool>::default();
+        let (path, samples) = (order.path.clone(), order.samples);
+        let (there, cancel_there, repaint) =
+            (Arc::clone(&progress), Arc::clone(&cancel), ctx.clone());
+        let begun = Instant::now();
+        let tell = move |standing: &Standing| {
+            let mut now = there.lock().unwrap_or_else(PoisonError::into_inner);
+            now.0 = *standing;
+            now.1.note(begun.elapsed(), standing.share);
+            repaint.request_repaint();
+        };
+        let task = Task::start(ctx, move || order.carry_out(&make, &cancel_there, tell));
+        Self {
+            path,
+            task,
+            progress,
+            samples,
+            cancel,
+        }
+    }
+
+    /// Where it stands, how long it will still take, and how many samples are wanted.
+    pub fn progress(&self) -> (Standing, TimeLeft, u32) {
+        let now = self.progress.lock().unwrap_or_else(PoisonError::into_inner);
+        (now.0, now.1, self.samples)
+    }
+}
+
+impl Drop for Job {
+    fn drop(&mut self) {
+        // Cancelled, or the window closes: nobody waits for the picture any more.
+        self.cancel.store(true, Ordering::Relaxed);
+    }
+}
+
+impl Order {
+    fn carry_out(
+        &self,
+        make: &MakeBackend,
+        cancel: &AtomicBool,
+        tell: impl FnMut(&Standing),
+    ) -> Result<Outcome, String> {
+        let text = |error: &dyn std::fmt::Display| error.to_string();
+        // Now rather than after minutes of rendering.
+        files::check_writable(&self.path).map_err(|error| text(&error))?;
+        let scene = Arc::new(scene::compile(&self.design).map_err(|error| text(&error))?);
+        if cancel.load(Ordering::Relaxed) {
+            return Ok(Outcome::Cancelled);
+        }
+        let (chunks, warnings) = match self.format {
+            Format::Png(_) => {
+                // In a document paths of images are whole, or names of what it carries.
+                let embedded = files::embedded(&self.design, &self.carried, Path::new(""))?;
+                (embedded.chunks, embedded.warnings)
+            }
+            Format::Exr(_) => (Vec::new(), Vec::new()),
+        };
+        let background = Background(self.design.light.background.linear());
+        let order = picture_file::Order {
+            scene,
+            camera: Camera::from_design(&self.camera),
+            size: self.size,
+            crop: [0, 0, self.size[0], self.size[1]],
+            settings: Settings {
+                samples: self.samples,
+                error: self.error,
+                ..Settings::from(&self.design.quality)
+            },
+            time: self.time,
+            format: self.format.clone(),
+            display: Display::from(&self.design.view),
+            transparent: self.transparent.then_some(background),
+            chunks,
+            band_bytes: BAND_BYTES,
+        };
+        let choice = self.choice.for_method(self.design.quality.method);
+        let mut backend = make(choice).map_err(|error| advice(&error))?;
+        match picture_file::make(&order, &mut *backend, &self.path, cancel, tell) {
+            Ok(_) => Ok(Outcome::Written(warnings)),
+            Err(Failure::Cancelled) => Ok(Outcome::Cancelled),
+            Err(Failure::Render(error)) => Err(advice(&error)),
+            Err(error) => Err(text(&error)),
+        }
+    }
+}
+
+/// What went wrong and what to do about it, in the words of the window.
+fn advice(error: &RenderError) -> String {
+    match error {
+        RenderError::NoAdapter(why) => format!(
+            "there is no GPU to render with ({why}); choose the backend cpu in the export window, or install a Vulkan \
+             driver (on Debian and Ubuntu: mesa-vulkan-drivers)"
+        ),
+        RenderError::BeyondAdapter {
+            what,
+            value,
+            limit,
+            adapter,
+        } => format!(
+            "{what} is {value}, but {adapter} allows at most {limit}; choose the backend cpu in the export window, or \
+             make the cloth smaller"
+        ),
+        RenderError::Method(method) => format!(
+            "the GPU does not draw by the method {method}; choose the backend auto or cpu in the export window, or \
+             another method under View & quality"
+        ),
+        RenderError::OutOfMemory(why) => format!(
+            "the GPU has too little memory ({why}); choose the backend cpu in the export window, or make the cloth smaller"
+        ),
+        RenderError::Device(why) | RenderError::Lost(why) => format!(
+            "the GPU stopped ({why}); try again, or choose the backend cpu in the export window"
+        ),
+        RenderError::Size(why) => why.clone(),
+    }
+}

@@ -1,0 +1,184 @@
+//! The export window: what picture to make, how far the one in work is, and what came of it. Rendering and writing
+//! (`job`) go on beside editing; the file is whole or not there.
+
+mod form;
+mod job;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use egui::{Align2, Context, ProgressBar, Ui, Window};
+use renderer_core::design::{CameraDesign, Design};
+use renderer_core::image::{Depth, ExrLayer};
+
+use super::renderer::MakeBackend;
+use super::tasks::Poll;
+use crate::backend::BackendChoice;
+use crate::files::Carried;
+use crate::picture_file::Format;
+use form::{FileType, Form};
+use job::{Job, Order, Outcome};
+
+/// The export window.
+pub struct Export {
+    /// Whether the window is open.
+    pub is_open: bool,
+    form: Form,
+    job: Option<Job>,
+}
+
+/// What the window has to tell its owner.
+#[derive(Debug)]
+pub enum Event {
+    /// The user wants to export: ask for a file with this ending.
+    AskForFile(&'static str),
+    /// The file is written; sentences tell what it does not take along of the design.
+    Written(PathBuf, Vec<String>),
+    /// It is not, because.
+    Failed(PathBuf, String),
+}
+
+impl Export {
+    /// A closed window.
+    pub fn new(choice: BackendChoice) -> Self {
+        Self {
+            is_open: false,
+            form: Form::new(choice),
+            job: None,
+        }
+    }
+
+    /// Opens the window for a design, with the viewport's shape.
+    pub fn open(&mut self, design: &Design, viewport: [u32; 2]) {
+        if !self.is_open && self.job.is_none() {
+            self.form.begin(design, viewport);
+        }
+        self.is_open = true;
+    }
+
+    /// Starts to render `design` as `camera` sees it, and to write it to `path`.
+    pub fn start(
+        &mut self,
+        path: PathBuf,
+        design: Design,
+        carried: Carried,
+        camera: &CameraDesign,
+        make: MakeBackend,
+        ctx: &Context,
+    ) {
+        let order = Order {
+            format: self.format_of(&path),
+            path,
+            design,
+            carried,
+            camera: camera.clone(),
+            size: self.form.size,
+            samples: self.form.samples,
+            error: self.form.error_target(),
+            time: self.form.time_limit(),
+            transparent: self.form.transparent,
+            choice: self.form.choice,
+        };
+        self.job = Some(Job::start(Arc::new(order), make, ctx));
+    }
+
+    /// The format that the name of the file asks for, else that of the form.
+    fn format_of(&self, path: &Path) -> Format {
+        let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+        match (ending.as_deref(), self.form.file_type) {
+            (Some("exr"), _) => Format::Exr(Vec::<ExrLayer>::new()),
+            (Some("png"), FileType::Png16) => Format::Png(Depth::Sixteen),
+            (Some("png"), _) | (_, FileType::Png8) => Format::Png(Depth::Eight),
+            (_, FileType::Png16) => Format::Png(Depth::Sixteen),
+            (_, FileType::Exr) => Format::Exr(Vec::new()),
+        }
+    }
+
+    /// Shows the window for the design as it is now and looks after the job.
+    pub fn show(&mut self, ctx: &Context, design: &Design) -> Option<Event> {
+        if let Some(event) = self.take_outcome() {
+            return event;
+        }
+        let mut event = None;
+        let mut is_open = self.is_open;
+        let mut is_cancelled = false;
+        Window::new("Export picture")
+            .open(&mut is_open)
+            .collapsible(false)
+            .resizable(false)
+            .default_width(380.0)
+            .pivot(Align2::CENTER_CENTER)
+            .default_pos(ctx.content_rect().center())
+            .show(ctx, |ui| match &self.job {
+                None => {
+                    if self.form.show(ui, design) {
+                        event = Some(Event::AskForFile(self.form.file_type.ending()));
+                    }
+                }
+                Some(job) => is_cancelled = show_job(ui, job),
+            });
+        if is_cancelled {
+            // The thread sees it at its next row; nobody waits for that.
+            self.job = None;
+        }
+        self.is_open = is_open;
+        event
+    }
+
+    /// What came of the job, once it has ended; `Some(None)` if there is nothing to tell.
+    fn take_outcome(&mut self) -> Option<Option<Event>> {
+        let result = match self.job.as_ref()?.task.poll() {
+            Poll::Pending => return None,
+            Poll::Ready(result) => result,
+            Poll::Lost => {
+                Err("the renderer stopped unexpectedly; try again, or with another backend".into())
+            }
+        };
+        let path = self.job.take()?.path.clone();
+        Some(match result {
+            Ok(Outcome::Written(warnings)) => {
+                self.is_open = false;
+                Some(Event::Written(path, warnings))
+            }
+            Ok(Outcome::Cancelled) => None,
+            Err(error) => {
+                self.is_open = true;
+                Some(Event::Failed(path, error))
+            }
+        })
+    }
+
+    /// A name for the picture of a document.
+    pub fn file_name(document: &str, ending: &str) -> String {
+        format!("{document}.{ending}")
+    }
+}
+
+/// How far a job is. Whether it is to be cancelled.
+fn show_job(ui: &mut Ui, job: &Job) -> bool {
+    let (standing, left, of) = job.progress();
+    ui.set_width(360.0);
+    let name = job.path.file_name().unwrap_or(job.path.as_os_str());
+    ui.label(format!("Rendering {}", name.to_string_lossy()));
+    ui.add(ProgressBar::new(standing.share as f32).show_percentage());
+    let [band, bands] = standing.band;
+    let mut parts = Vec::new();
+    if band == 0 {
+        parts.push("Planting loops…".to_owned());
+    } else {
+        if bands > 1 {
+            parts.push(format!("band {band} of {bands}"));
+        }
+        parts.push(format!("{} of {of} samples", standing.samples));
+        if let Some(error) = standing.error {
+            parts.push(format!("error {:.2} %", 100.0 * error));
+        }
+        parts.push(left.text());
+    }
+    ui.weak(parts.join(" · "));
+    ui.weak("Editing can go on meanwhile: the picture shows the design as it was.");
+    ui.add_space(4.0);
+    ui.button("Cancel export")
+        .on_hover_text("Stops at once and writes no file.")
+        .clicked()
+}

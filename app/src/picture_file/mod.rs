@@ -1,0 +1,340 @@
+//! Final pictures, rendered and written: what the export window and `render` share.
+//!
+//! A picture whose sums would not fit into memory (or onto the device) is made in bands, whole rows from top to bottom,
+//! each rendered to its end and written before the next begins. The samples of a pixel depend on its place in the whole
+//! picture alone, so a picture that stops at a number of samples has the same bits in any number of bands. The other
+//! stops are shared out: each band stops at the estimated error by itself, and of the time each gets what its rows are of
+//! all rows, with what the bands before it left over.
+//!
+//! Nothing has the file's name before everything is in it.
+
+mod bands;
+mod time_left;
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use renderer_core::image::{
+    Background, Depth, Display, ExrLayer, ExrLook, ImageError, Picture, PngLook, metrics,
+    write_exr_rows, write_png_rows,
+};
+use renderer_core::render::progressive::check_size;
+use renderer_core::render::{Backend, Camera, Counters, RenderError, RenderRequest, Settings};
+use renderer_core::scene::Scene;
+
+use crate::files::{self, Draft, FileError};
+pub use bands::{BAND_BYTES, Bands};
+pub use time_left::TimeLeft;
+
+/// What kind of file to make.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Format {
+    /// As displayed.
+    Png(Depth),
+    /// Linear radiance, with these extra channels.
+    Exr(Vec<ExrLayer>),
+}
+
+/// A picture to make.
+#[derive(Debug, Clone)]
+pub struct Order {
+    /// The cloth and its light.
+    pub scene: Arc<Scene>,
+    /// From where it is seen.
+    pub camera: Camera,
+    /// Width and height of the whole picture, pixels.
+    pub size: [u32; 2],
+    /// The part to make: x, y, width, height.
+    pub crop: [u32; 4],
+    /// How, and at how many samples and which error to stop.
+    pub settings: Settings,
+    /// When to stop, whatever else; but not before the first whole sample.
+    pub time: Option<Duration>,
+    /// The kind of file.
+    pub format: Format,
+    /// How a PNG shows it.
+    pub display: Display,
+    /// Leaves this background out.
+    pub transparent: Option<Background>,
+    /// What a PNG carries beside the picture, as whole chunks.
+    pub chunks: Vec<Vec<u8>>,
+    /// Most bytes that the sums and the picture of a band may take.
+    pub band_bytes: u64,
+}
+
+/// Where the work stands.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Standing {
+    /// Share of the whole work, 0 to 1.
+    pub share: f64,
+    /// The band in work, from 1, and how many there are.
+    pub band: [u32; 2],
+    /// Whole samples of each of its pixels.
+    pub samples: u32,
+    /// Its estimated error.
+    pub error: Option<f64>,
+}
+
+/// What was made.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Made {
+    /// Whole samples a pixel: the fewest of any band.
+    pub samples: u32,
+    /// Estimated error of the whole picture.
+    pub error_estimate: Option<f64>,
+    /// Number of bands.
+    pub bands: u32,
+    /// Work done, if counted.
+    pub counters: Counters,
+    /// Pixels that are not finite.
+    pub nonfinite_pixels: u64,
+    /// Most bytes on the device.
+    pub device_bytes: u64,
+    /// Most bytes of a band: its sums and its picture.
+    pub band_bytes: u64,
+    /// Giving the scene to the backend.
+    pub upload: Duration,
+    /// Making pipelines.
+    pub pipelines: Duration,
+    /// From the start of rendering to the first whole sample of the first band.
+    pub first: Duration,
+    /// Adding samples.
+    pub render: Duration,
+    /// Encoding and writing.
+    pub write: Duration,
+}
+
+/// Why there is no picture.
+#[derive(Debug, thiserror::Error)]
+pub enum Failure {
+    /// It was asked for no longer.
+    #[error("cancelled")]
+    Cancelled,
+    /// The backend cannot do it.
+    #[error("{0}")]
+    Render(#[from] RenderError),
+    /// The file cannot be written.
+    #[error("{0}")]
+    File(#[from] FileError),
+    /// The picture cannot be encoded.
+    #[error("{0}")]
+    Image(#[from] ImageError),
+}
+
+/// How long a backend works between looks at the clock.
+const SLICE: Duration = Duration::from_millis(100);
+
+/// Renders the picture and writes it to `path`; tells `tell` where it stands about ten times a second.
+///
+/// # Errors
+/// When the backend or the file refuses, or `cancel` becomes true; an old file is untouched then.
+pub fn make(
+    order: &Order,
+    backend: &mut dyn Backend,
+    path: &Path,
+    cancel: &AtomicBool,
+    mut tell: impl FnMut(&Standing),
+) -> Result<Made, Failure> {
+    check_size(order.size, order.crop)?;
+    let begun = Instant::now();
+    let mut draft = Draft::new(path)?;
+    let mut work = Work {
+        order,
+        backend,
+        cancel,
+        bands: Bands::new(order.crop, order.settings.aov, order.band_bytes),
+        made: Made {
+            samples: u32::MAX,
+            ..Made::default()
+        },
+        errors: Some(Errors::default()),
+        begun,
+    };
+    let size = [order.crop[2], order.crop[3]];
+    let next = || work.next_band(&mut tell);
+    match &order.format {
+        Format::Png(depth) => {
+            let look = PngLook {
+                display: order.display,
+                depth: *depth,
+                transparent: order.transparent,
+                chunks: &order.chunks,
+            };
+            write_png_rows(&mut draft, size, &look, next)
+        }
+        Format::Exr(layers) => {
+            let look = ExrLook {
+                layers: layers.clone(),
+                transparent: order.transparent,
+            };
+            write_exr_rows(&mut draft, size, &look, next)
+        }
+    }
+    .map_err(|failure| match failure {
+        Failure::Image(error) => match error.into_io() {
+            Ok(source) => files::write_error(path, source).into(),
+            Err(error) => Failure::Image(error),
+        },
+        other => other,
+    })?;
+    let Work {
+        mut made, errors, ..
+    } = work;
+    if cancel.load(Ordering::Relaxed) {
+        return Err(Failure::Cancelled);
+    }
+    draft.finish()?;
+    made.error_estimate = errors.and_then(|errors| errors.whole());
+    made.write = begun
+        .elapsed()
+        .saturating_sub(made.upload + made.pipelines + made.render);
+    Ok(made)
+}
+
+/// What is needed from band to band.
+struct Work<'a> {
+    order: &'a Order,
+    backend: &'a mut dyn Backend,
+    cancel: &'a AtomicBool,
+    bands: Bands,
+    made: Made,
+    /// `None` as soon as a band has no estimate.
+    errors: Option<Errors>,
+    begun: Instant,
+}
+
+impl Work<'_> {
+    /// Renders the next band to its end; a lower one if the device has no room for it.
+    fn next_band(&mut self, tell: &mut impl FnMut(&Standing)) -> Result<Picture, Failure> {
+        let (crop, samples, error, picture) = loop {
+            let crop = self.bands.next();
+            match self.band(crop, tell) {
+                Ok((samples, error, picture)) => break (crop, samples, error, picture),
+                Err(Failure::Render(
+                    RenderError::BeyondAdapter { .. } | RenderError::OutOfMemory(_),
+                )) if self.bands.make_lower() => {}
+                Err(failure) => return Err(failure),
+            }
+        };
+        let made = &mut self.made;
+        made.bands += 1;
+        made.samples = made.samples.min(samples);
+        made.counters += self.backend.counters()?;
+        made.nonfinite_pixels += metrics::nonfinite_pixels(&picture);
+        made.device_bytes = made.device_bytes.max(self.backend.device_bytes());
+        made.band_bytes = made.band_bytes.max(self.bands.bytes(crop));
+        match (error, &mut self.errors) {
+            (Some(error), Some(errors)) => errors.add(error, &picture),
+            _ => self.errors = None,
+        }
+        self.bands.finish(crop);
+        Ok(picture)
+    }
+
+    /// Renders one band: its samples, its error, its picture.
+    fn band(
+        &mut self,
+        crop: [u32; 4],
+        tell: &mut impl FnMut(&Standing),
+    ) -> Result<(u32, Option<f64>, Picture), Failure> {
+        let request = RenderRequest {
+            scene: Arc::clone(&self.order.scene),
+            camera: self.order.camera,
+            size: self.order.size,
+            crop,
+            settings: self.order.settings,
+        };
+        let beginning = Instant::now();
+        let begun = self.backend.begin(&request);
+        let pipelines = self.backend.pipeline_time();
+        self.made.pipelines += pipelines;
+        self.made.upload += beginning.elapsed().saturating_sub(pipelines);
+        begun?;
+        if self.made.bands == 0 {
+            // Time is that of rendering: a device's pipelines may take seconds.
+            self.begun = Instant::now();
+        }
+        let rendering = Instant::now();
+        let (samples, error) = self.render(crop, tell)?;
+        let picture = self.backend.picture()?;
+        self.made.render += rendering.elapsed();
+        Ok((samples, error, picture))
+    }
+
+    /// Adds samples to a band until it is done. Its samples and its error.
+    fn render(
+        &mut self,
+        crop: [u32; 4],
+        tell: &mut impl FnMut(&Standing),
+    ) -> Result<(u32, Option<f64>), Failure> {
+        let settings = &self.order.settings;
+        let [done, after] = self.bands.shares(crop);
+        let begun = self.begun.elapsed();
+        let limit = self.order.time.map(|time| time.mul_f64(after));
+        let is_first = self.made.bands == 0;
+        loop {
+            let left = limit.map(|limit| limit.saturating_sub(self.begun.elapsed()));
+            // Past its time a band without samples goes on until it has one.
+            let slice = left
+                .filter(|left| !left.is_zero())
+                .map_or(SLICE, |left| left.min(SLICE));
+            let progress = self.backend.advance(slice, self.cancel)?;
+            if self.cancel.load(Ordering::Relaxed) {
+                return Err(Failure::Cancelled);
+            }
+            let elapsed = self.begun.elapsed();
+            if is_first && progress.samples > 0 && self.made.first.is_zero() {
+                self.made.first = elapsed;
+            }
+            let samples = f64::from(progress.samples) / f64::from(settings.samples.max(1));
+            let time = limit.map_or(0.0, |limit| {
+                let whole = limit.saturating_sub(begun).as_secs_f64();
+                (elapsed - begun).as_secs_f64() / whole.max(1e-3)
+            });
+            // An error falls with about the square root of the samples, so its inverse square shows how far it is.
+            let error = progress.error_estimate.filter(|error| *error > 0.0);
+            let error = error.map_or(0.0, |error| (settings.error / error).powi(2));
+            let share = samples.max(time).max(error).clamp(0.0, 1.0);
+            tell(&Standing {
+                share: done + (after - done) * share,
+                band: [self.made.bands + 1, self.bands.count()],
+                samples: progress.samples,
+                error: progress.error_estimate,
+            });
+            let is_late = limit.is_some_and(|limit| elapsed >= limit);
+            if progress.done || (is_late && progress.samples > 0) {
+                return Ok((progress.samples, progress.error_estimate));
+            }
+        }
+    }
+}
+
+/// The errors of bands, for that of the whole: relRMSE² · mean² is a mean over pixels, and so is the mean.
+#[derive(Default)]
+struct Errors {
+    variance: f64,
+    sum: f64,
+    pixels: f64,
+}
+
+impl Errors {
+    fn add(&mut self, error: f64, picture: &Picture) {
+        let pixels = picture.pixels.len() as f64;
+        let mean = metrics::mean(picture);
+        self.variance += pixels * (error * mean).powi(2);
+        self.sum += pixels * mean;
+        self.pixels += pixels;
+    }
+
+    fn whole(&self) -> Option<f64> {
+        (self.pixels > 0.0).then(|| {
+            if self.sum > 0.0 {
+                (self.variance / self.pixels).sqrt() / (self.sum / self.pixels)
+            } else {
+                0.0
+            }
+        })
+    }
+}

@@ -1,0 +1,412 @@
+//! The export window: sizes, stops, kinds of files, progress, cancelling, and what it says when it cannot.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use renderer_core::design::{Design, LengthMap, Method};
+use renderer_core::image::Picture;
+use renderer_core::render::{Backend, BackendKind, Counters, Progress, RenderError, RenderRequest};
+use towel_designer::backend::BackendChoice;
+use towel_designer::designer::{App, MakeBackend, Setup};
+use towel_designer::files;
+
+use super::{choose, click, design, designer, type_number, type_path, wait};
+
+/// Draws gray, a sample in 10 ms, and can be told never to end or to refuse.
+struct Gray {
+    samples: u32,
+    wanted: u32,
+    size: [u32; 2],
+    refuses: Option<fn() -> RenderError>,
+}
+
+impl Backend for Gray {
+    fn kind(&self) -> BackendKind {
+        BackendKind::Cpu
+    }
+
+    fn device_name(&self) -> String {
+        "gray".into()
+    }
+
+    fn begin(&mut self, request: &RenderRequest) -> Result<(), RenderError> {
+        if let Some(why) = self.refuses {
+            return Err(why());
+        }
+        self.size = [request.crop[2], request.crop[3]];
+        (self.samples, self.wanted) = (0, request.settings.samples);
+        Ok(())
+    }
+
+    fn advance(&mut self, _: Duration, cancel: &AtomicBool) -> Result<Progress, RenderError> {
+        if !cancel.load(Ordering::Relaxed) {
+            std::thread::sleep(Duration::from_millis(10));
+            self.samples += 1;
+        }
+        Ok(Progress {
+            samples: self.samples,
+            error_estimate: None,
+            done: self.samples >= self.wanted,
+        })
+    }
+
+    fn picture(&mut self) -> Result<Picture, RenderError> {
+        let [width, height] = self.size;
+        Ok(Picture {
+            size: self.size,
+            pixels: vec![[0.5, 0.5, 0.5, 0.5]; (width * height) as usize],
+            aov: None,
+        })
+    }
+
+    fn counters(&mut self) -> Result<Counters, RenderError> {
+        Ok(Counters::default())
+    }
+
+    fn device_bytes(&self) -> u64 {
+        0
+    }
+}
+
+/// A designer whose exports are gray, and fail if `refuses` says so; the viewport is drawn by another choice.
+fn with_gray(preset: Option<&Path>, refuses: Option<fn() -> RenderError>) -> Harness<'static, App> {
+    let preset = preset.map(Path::to_path_buf);
+    let make: MakeBackend = Arc::new(move |choice| {
+        Ok(Box::new(Gray {
+            samples: 0,
+            wanted: 0,
+            size: [1, 1],
+            refuses: refuses.filter(|_| choice == BackendChoice::Gpu),
+        }))
+    });
+    let mut harness = Harness::builder()
+        .with_size(vec2(1280.0, 900.0))
+        .with_step_dt(1.0 / 60.0)
+        .build_eframe(|cc| {
+            let setup = Setup {
+                preset,
+                choice: BackendChoice::Cpu,
+                make,
+                system_dialogs: false,
+                folders: None,
+            };
+            App::new(cc, setup)
+        });
+    harness.run_steps(3);
+    harness
+}
+
+fn open(harness: &mut Harness<'_, App>) {
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::E);
+    harness.run_steps(5);
+}
+
+fn number(harness: &Harness<'_, App>, label: &str) -> f64 {
+    let field = harness.get_by_role_and_label(Role::SpinButton, label);
+    field.value().unwrap_or_default().parse().expect("a number")
+}
+
+fn size(harness: &Harness<'_, App>) -> [f64; 2] {
+    ["Export width", "Export height"].map(|label| number(harness, label))
+}
+
+fn export_to(harness: &mut Harness<'_, App>, path: &Path) {
+    click(harness, "Choose file and export…");
+    type_path(harness, path);
+    click(harness, "Save file");
+}
+
+#[test]
+fn sizes_are_chosen_typed_kept_in_proportion_and_measured_on_paper() {
+    let mut harness = designer(None);
+    open(&mut harness);
+    let [width, height] = harness.state().viewport().size().map(f64::from);
+    assert_eq!(size(&harness), [2.0 * width, 2.0 * height]);
+    click(&mut harness, "Sizes…");
+    click(&mut harness, "4K, 3840 × 2160");
+    assert_eq!(size(&harness), [3840.0, 2160.0]);
+
+    type_number(&mut harness, "Export width", "1000");
+    assert_eq!(size(&harness), [1000.0, 2160.0], "sides are free at first");
+    type_number(&mut harness, "Export height", "500");
+    click(&mut harness, "keep the proportion");
+    type_number(&mut harness, "Export height", "800");
+    assert_eq!(size(&harness), [1600.0, 800.0]);
+
+    // 254 mm are 10 inches.
+    type_number(&mut harness, "Print width", "254");
+    assert_eq!(size(&harness), [3000.0, 1500.0]);
+    type_number(&mut harness, "Print resolution", "150");
+    assert_eq!(size(&harness), [1500.0, 750.0]);
+    assert_eq!(number(&harness, "Print width"), 254.0);
+
+    type_number(&mut harness, "Export width", "99999");
+    assert_eq!(size(&harness), [16384.0, 8192.0]);
+    harness.get_by_label_contains("134.2 megapixels");
+    harness.get_by_label_contains("bands");
+}
+
+#[test]
+fn every_kind_of_file_is_what_it_says() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (kind, name) in [
+        (None, "eight.png"),
+        (Some("PNG, 16 bit"), "sixteen.png"),
+        (Some("EXR, linear light"), "light.exr"),
+    ] {
+        let mut harness = with_gray(None, None);
+        open(&mut harness);
+        if let Some(kind) = kind {
+            choose(&mut harness, "File", kind);
+        }
+        type_number(&mut harness, "Export width", "30");
+        type_number(&mut harness, "Export height", "20");
+        type_number(&mut harness, "Export samples", "2");
+        click(&mut harness, "transparent");
+        let path = folder.path().join(name);
+        export_to(&mut harness, &path);
+        wait(&mut harness, name, |h| {
+            h.query_by_label("Exported").is_some()
+        });
+        if name.ends_with("png") {
+            let colour = image::open(&path).expect("a picture").color();
+            let expected = if kind.is_some() {
+                image::ColorType::Rgba16
+            } else {
+                image::ColorType::Rgba8
+            };
+            assert_eq!(colour, expected, "{name}");
+            assert!(
+                files::carries_design(&path),
+                "{name} opens again as a design"
+            );
+        } else {
+            let light = exr::prelude::read_first_rgba_layer_from_file(
+                &path,
+                |_, _| Vec::new(),
+                |all: &mut Vec<[f32; 4]>, _, (r, g, b, a): (f32, f32, f32, f32)| {
+                    all.push([r, g, b, a])
+                },
+            );
+            let light = light.expect("an EXR file").layer_data.channel_data.pixels;
+            let background = Design::default().light.background.linear();
+            // Light of the cloth alone, premultiplied: half of the pixel is background.
+            let expected = 0.5 - 0.5 * background[0] as f32;
+            assert_eq!(light.len(), 600);
+            assert!((light[0][0] - expected).abs() < 1e-6, "{:?}", light[0]);
+            assert_eq!(light[0][3], 0.5);
+        }
+        harness.get_by_label("Show in folder");
+        assert!(
+            harness.query_by_label("Choose file and export…").is_none(),
+            "the window has closed"
+        );
+    }
+}
+
+#[test]
+fn a_long_export_shows_its_progress_beside_editing_and_is_cancelled_at_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("long.png");
+    let mut harness = with_gray(None, None);
+    open(&mut harness);
+    type_number(&mut harness, "Export samples", "100000");
+    export_to(&mut harness, &path);
+    wait(&mut harness, "progress", |h| {
+        h.query_by_label_contains(" of 100000 samples").is_some()
+    });
+    wait(&mut harness, "the time left", |h| {
+        let mut lines = h.query_all_by_label_contains(" of 100000 samples");
+        lines.any(|line| {
+            line.accesskit_node()
+                .label()
+                .unwrap_or_default()
+                .ends_with(" left")
+        })
+    });
+    harness.get_by_role(Role::ProgressIndicator);
+    type_number(&mut harness, "Warps", "77");
+    assert_eq!(design(&harness).sheet.warps, 77, "editing goes on");
+
+    click(&mut harness, "Cancel export");
+    harness.get_by_label("Choose file and export…");
+    std::thread::sleep(Duration::from_millis(300));
+    harness.run_steps(3);
+    assert_eq!(
+        std::fs::read_dir(folder.path()).expect("a folder").count(),
+        0
+    );
+    assert!(harness.query_by_label("Not exported").is_none());
+}
+
+#[test]
+fn a_time_limit_ends_the_export() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("timed.png");
+    let mut harness = with_gray(None, None);
+    open(&mut harness);
+    type_number(&mut harness, "Export samples", "100000");
+    click(&mut harness, "time");
+    type_number(&mut harness, "Export time", "0.05");
+    export_to(&mut harness, &path);
+    // Three seconds; the samples would take a quarter of an hour.
+    wait(&mut harness, "the picture", |h| {
+        h.query_by_label("Exported").is_some()
+    });
+    assert!(path.exists());
+}
+
+#[test]
+fn a_fault_is_told_before_anything_is_asked() {
+    let mut harness = designer(None);
+    // Through the document, as a hand-written file would be refused.
+    type_number(&mut harness, "Warps per cm", "99");
+    if design(&harness).faults().is_empty() {
+        // The field clamps; a fault that two fields make together is left.
+        super::open_panel(&mut harness, "Loop length");
+        choose(&mut harness, "Map", LengthMap::Gray.label());
+        type_number(&mut harness, "Min", "9");
+    }
+    assert!(
+        !design(&harness).faults().is_empty(),
+        "no fault to test with"
+    );
+    open(&mut harness);
+    harness.get_by_label_contains("Mend it in its panel, then export.");
+    let button = harness.get_by_label("Choose file and export…");
+    assert!(button.accesskit_node().is_disabled());
+}
+
+#[test]
+fn what_the_gpu_cannot_do_is_told_with_what_to_do() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let preset = folder.path().join("six.toml");
+    let mut six_face = Design::default();
+    six_face.quality.method = Method::SixFace;
+    files::save_design(&six_face, &preset, None).expect("saved");
+    let mut harness = with_gray(Some(&preset), None);
+    wait(&mut harness, "the preset", |h| {
+        h.state().document().path().is_some()
+    });
+    open(&mut harness);
+    choose(&mut harness, "Backend", "gpu");
+    harness.get_by_label_contains("choose the backend auto or cpu");
+
+    let refusals: [(fn() -> RenderError, &str); 3] = [
+        (|| RenderError::NoAdapter("none".into()), "install a Vulkan"),
+        (
+            || RenderError::OutOfMemory("full".into()),
+            "choose the backend cpu",
+        ),
+        (|| RenderError::Lost("unplugged".into()), "try again"),
+    ];
+    for (refusal, says) in refusals {
+        let path = folder.path().join("refused.png");
+        let mut harness = with_gray(None, Some(refusal));
+        open(&mut harness);
+        choose(&mut harness, "Backend", "gpu");
+        export_to(&mut harness, &path);
+        wait(&mut harness, "the refusal", |h| {
+            h.query_by_label("Not exported").is_some()
+        });
+        harness.get_by_label_contains(says);
+        assert!(!path.exists());
+        harness.get_by_label("Choose file and export…");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_told_and_the_design_goes_on() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("full.png");
+    std::os::unix::fs::symlink("/dev/full", &path).expect("a link");
+    let mut harness = with_gray(None, None);
+    open(&mut harness);
+    type_number(&mut harness, "Export samples", "1");
+    export_to(&mut harness, &path);
+    if harness.query_by_label("Replace file").is_some() {
+        click(&mut harness, "Replace file");
+    }
+    wait(&mut harness, "the failure", |h| {
+        h.query_by_label("Not exported").is_some()
+    });
+    harness.get_by_label_contains("No space left");
+    assert_eq!(*design(&harness), Design::default());
+}
+
+#[test]
+fn throwaway_look() {
+    for (dark, scale, n) in [(true, 1.0, 0), (false, 2.0, 1)] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let make: MakeBackend = Arc::new(move |_| {
+            Ok(Box::new(Gray {
+                samples: 0,
+                wanted: 0,
+                size: [1, 1],
+                refuses: None,
+            }))
+        });
+        let mut harness = Harness::builder()
+            .with_size(vec2(1280.0, 720.0))
+            .with_pixels_per_point(scale)
+            .wgpu()
+            .build_eframe(|cc| {
+                App::new(
+                    cc,
+                    Setup {
+                        preset: None,
+                        choice: BackendChoice::Cpu,
+                        make,
+                        system_dialogs: false,
+                        folders: None,
+                    },
+                )
+            });
+        harness.ctx.set_theme(if dark {
+            egui::Theme::Dark
+        } else {
+            egui::Theme::Light
+        });
+        harness.run_steps(5);
+        let shot = |harness: &mut Harness<'_, App>, name: &str| {
+            harness
+                .render()
+                .expect("an image")
+                .save(format!("/tmp/weave/ex-{name}-{n}.png"))
+                .expect("saved");
+        };
+        open(&mut harness);
+        click(&mut harness, "estimated error");
+        click(&mut harness, "time");
+        shot(&mut harness, "form");
+        click(&mut harness, "Sizes…");
+        harness.run_steps(5);
+        shot(&mut harness, "sizes");
+        harness.key_press(Key::Escape);
+        harness.run_steps(5);
+        type_number(&mut harness, "Export samples", "300");
+        export_to(&mut harness, &folder.path().join("long.png"));
+        wait(&mut harness, "the time left", |h| {
+            let mut lines = h.query_all_by_label_contains(" of 300 samples");
+            lines.any(|line| {
+                line.accesskit_node()
+                    .label()
+                    .unwrap_or_default()
+                    .ends_with(" left")
+            })
+        });
+        shot(&mut harness, "progress");
+        wait(&mut harness, "the end", |h| {
+            h.query_by_label("Exported").is_some()
+        });
+        harness.run_steps(3);
+        shot(&mut harness, "done");
+    }
+}

@@ -54,10 +54,11 @@ impl Backend for ReferenceBackend {
         {
             return Ok(());
         }
-        let last = self.work.take();
+        // The old sums go before there is room for new ones.
+        let last = self.work.take().map(|(tracer, _)| tracer);
         let progressive = Progressive::new(request)?;
         let tracer = match last {
-            Some((tracer, _)) => tracer.again(request),
+            Some(tracer) => tracer.again(request),
             None => Tracer::new(request),
         };
         self.work = Some((tracer, progressive));

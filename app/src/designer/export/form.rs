@@ -218,11 +218,8 @@ impl Form {
                     .on_hover_text(format!("Pixels, 1 to {MAX_SIDE}."));
             }
             ui.weak("px");
-            for axis in 0..2 {
-                if self.size[axis] != before[axis] {
-                    self.follow(axis);
-                    break;
-                }
+            if let Some(axis) = (0..2).find(|&axis| self.size[axis] != before[axis]) {
+                self.follow(axis);
             }
             ui.menu_button("Sizes…", |ui| {
                 let [width, height] = self.viewport;

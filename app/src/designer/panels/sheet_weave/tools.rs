@@ -55,8 +55,11 @@ pub(super) fn tools(ui: &mut Ui, editor: &mut GridEditor, is_enlarged: &mut bool
     });
 }
 
+/// Icon, name, explanation and doing of a button that changes the whole pattern.
+type Whole = (Icon, &'static str, &'static str, fn(&Pattern) -> Pattern);
+
 /// What each button does to the whole pattern.
-const WHOLE: [(Icon, &str, &str, fn(&Pattern) -> Pattern); 7] = [
+const WHOLE: [Whole; 7] = [
     (
         Icon::MirrorHorizontally,
         "Mirror left and right",

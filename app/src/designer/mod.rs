@@ -52,6 +52,7 @@ use anyhow::anyhow;
 use eframe::CreationContext;
 use egui::{CentralPanel, Context, Frame, Margin, Panel, Ui, UiBuilder, ViewportCommand};
 use renderer_core::gpu::DeviceWatch;
+use renderer_core::render::MAX_SIDE;
 
 pub use command::Command;
 pub use document::Document;
@@ -154,6 +155,20 @@ fn wgpu_options() -> egui_wgpu::WgpuConfiguration {
     }
 }
 
+/// A window larger than its device's textures could not be drawn at all.
+fn keep_to_textures(cc: &CreationContext<'_>) {
+    let Some(state) = &cc.wgpu_render_state else {
+        return;
+    };
+    let limit = state.device.limits().max_texture_dimension_2d;
+    if limit < MAX_SIDE {
+        let scale = cc.egui_ctx.native_pixels_per_point().unwrap_or(1.0);
+        let most = egui::Vec2::splat(limit as f32 / scale);
+        let command = ViewportCommand::MaxInnerSize(most);
+        cc.egui_ctx.send_viewport_cmd(command);
+    }
+}
+
 impl App {
     /// The designer in eframe's window (or a test's).
     pub fn new(cc: &CreationContext<'_>, setup: Setup) -> Self {
@@ -184,6 +199,7 @@ impl App {
             app.notices.error("Settings not read", failure);
         }
         app.look_first();
+        keep_to_textures(cc);
         if let Some(preset) = setup.preset {
             app.load_preset(ctx, preset);
         }

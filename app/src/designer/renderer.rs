@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use egui::{Color32, ColorImage};
+use rayon::prelude::*;
 use renderer_core::gpu::{DeviceWatch, GpuBackend, GpuContext};
 use renderer_core::image::{Display, Picture};
 use renderer_core::render::{Backend, RenderError};
@@ -78,18 +79,23 @@ pub struct Developer {
 }
 
 impl Developer {
-    /// The picture so far. With `soft`, pixels that were read back are averaged two by two: less sharp, less noisy.
+    /// The picture so far. Where `softness` is above 0, pixels that were read back are mixed with their neighbours: less
+    /// sharp, less noisy.
     pub fn shoot(
         &mut self,
         renderer: &mut Renderer,
         display: Display,
-        soft: bool,
+        softness: f32,
     ) -> Result<Option<Shot>, RenderError> {
         match renderer {
             Renderer::Within(backend) => Ok(backend.show(display)?.cloned().map(Shot::Texture)),
             Renderer::Apart(backend) => {
                 let picture = backend.picture()?;
-                self.picture = Some(if soft { averaged(&picture) } else { picture });
+                self.picture = Some(if softness > 0.0 {
+                    softened(&picture, softness)
+                } else {
+                    picture
+                });
                 self.table.set(display);
                 Ok(self.developed())
             }
@@ -117,28 +123,38 @@ impl Developer {
             let [r, g, b] = self.table.encode([r, g, b]);
             Color32::from_rgb(r, g, b)
         };
-        let pixels = picture.pixels.iter().map(colour).collect();
+        let pixels = picture.pixels.par_iter().map(colour).collect();
         let size = picture.size.map(|side| side as usize);
         Some(Shot::Pixels(Arc::new(ColorImage::new(size, pixels))))
     }
 }
 
-/// A picture of half the size: the mean of every 2 × 2 pixels, in linear light. Odd edges repeat their last pixels.
-fn averaged(picture: &Picture) -> Picture {
-    let size = picture.size.map(|side| side.div_ceil(2));
+/// A picture mixed with the means of its 3 × 3 neighbouring pixels, in linear light; at softness 1 these alone. Edges repeat
+/// their last pixels.
+fn softened(picture: &Picture, softness: f32) -> Picture {
     let [width, height] = picture.size.map(|side| side as usize);
-    let corners =
-        (0..size[1] as usize).flat_map(|y| (0..size[0] as usize).map(move |x| (2 * x, 2 * y)));
-    let pixels = corners
-        .map(|(x, y)| {
-            let (x1, y1) = ((x + 1).min(width - 1), (y + 1).min(height - 1));
-            let four =
-                [(x, y), (x1, y), (x, y1), (x1, y1)].map(|(x, y)| picture.pixels[y * width + x]);
-            std::array::from_fn(|c| four.iter().map(|pixel| pixel[c]).sum::<f32>() / 4.0)
-        })
-        .collect();
+    let row = |y: usize| &picture.pixels[y * width..(y + 1) * width];
+    let mut pixels = vec![[0.0; 4]; picture.pixels.len()];
+    pixels
+        .par_chunks_mut(width.max(1))
+        .enumerate()
+        .for_each(|(y, soft)| {
+            let rows = [
+                row(y.saturating_sub(1)),
+                row(y),
+                row((y + 1).min(height - 1)),
+            ];
+            for (x, pixel) in soft.iter_mut().enumerate() {
+                let columns = [x.saturating_sub(1), x, (x + 1).min(width - 1)];
+                *pixel = std::array::from_fn(|c| {
+                    let across = rows.map(|row| columns.map(|x| row[x][c]).iter().sum::<f32>());
+                    let mean = across.iter().sum::<f32>() / 9.0;
+                    rows[1][x][c] + softness * (mean - rows[1][x][c])
+                });
+            }
+        });
     Picture {
-        size,
+        size: picture.size,
         pixels,
         aov: None,
     }

@@ -169,6 +169,7 @@ fn saved_views(ui: &mut Ui, cameras: &[CameraDesign], commands: &mut Vec<Command
     let field = TextEdit::singleline(&mut name)
         .hint_text("name of this view")
         .char_limit(40)
+        .align(egui::Align2::LEFT_CENTER)
         .desired_width(150.0);
     let field = ui
         .add(field)

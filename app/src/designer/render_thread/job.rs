@@ -10,8 +10,8 @@ const PUBLISHING: Duration = Duration::from_millis(50);
 const FIRST_PICTURE: f64 = 0.1;
 /// Samples of a small picture.
 const REDUCED_SAMPLES: u32 = 4;
-/// Pictures of fewer samples are shown with 2 × 2 pixels averaged,
-const SHARP_FROM: u32 = 4;
+/// Pictures of fewer samples are shown softer: less sharp, but less noisy,
+const SHARP_FROM: f32 = 32.0;
 /// unless they are smaller than this: there is no sharpness to give away.
 const SOFT_UP_TO: u32 = 2;
 /// Smallest first picture: this fraction of the full width and height.
@@ -125,9 +125,14 @@ impl Job {
         self.divisor > 1
     }
 
-    /// Whether a picture of so many samples is better shown less sharp and less noisy.
-    pub fn is_soft(&self, samples: u32) -> bool {
-        samples < SHARP_FROM && self.divisor <= SOFT_UP_TO
+    /// How much a picture of so many samples is better shown as the mean of neighbouring pixels: all for the first sample,
+    /// then less with every doubling, so that it gets sharp as noise goes, and never at once.
+    pub fn softness(&self, samples: u32) -> f32 {
+        if self.divisor > SOFT_UP_TO {
+            return 0.0;
+        }
+        let doublings = (samples.max(1) as f32).log2();
+        (1.0 - doublings / SHARP_FROM.log2()).max(0.0)
     }
 }
 

@@ -3,8 +3,8 @@
 //!
 //! A new wish is first drawn small: at a fraction of the size that takes a few hundredths of a second, then at double
 //! that, and so on up to the full size. So every edit shows at once, however slow the machine, and nothing of the full
-//! picture's samples depends on it. Pictures of very few samples are shown with neighbours averaged: less sharp, but
-//! less noisy.
+//! picture's samples depends on it. Pictures of few samples are shown softer, the sharper the more
+//! samples they have.
 
 mod fallback;
 mod job;

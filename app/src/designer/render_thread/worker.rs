@@ -290,8 +290,9 @@ impl<'a> Worker<'a> {
             return Ok(());
         };
         let start = Instant::now();
-        let (display, soft) = (wish.display, job.is_soft(progress.samples));
-        let image = self.developer.shoot(renderer, display, soft)?;
+        let (display, softness) = (wish.display, job.softness(progress.samples));
+        let developer = &mut self.developer;
+        let image = workers::with_all(|| developer.shoot(renderer, display, softness))?;
         let bytes = renderer.backend().device_bytes();
         self.display = Some(display);
         job.published(start.elapsed());

@@ -19,6 +19,9 @@ pub const BACKENDS: [BackendChoice; 4] = [
     BackendChoice::Reference,
 ];
 
+/// Width of what comes in the toolbar from the standard views on, points: in less they are a menu.
+const ROOM_FOR_VIEWS: f32 = 500.0;
+
 /// What menus call a backend.
 pub fn backend_name(choice: BackendChoice) -> &'static str {
     match choice {
@@ -136,12 +139,14 @@ pub fn toolbar(ui: &mut Ui, design: &Design, viewport: &Viewport, commands: &mut
         Command::Fit,
         commands,
     );
-    for view in StandardView::ALL {
-        let command = Command::Standard(view);
-        tool(ui, view.name(), view.what(), true, command, commands);
+    if ui.available_width() > ROOM_FOR_VIEWS {
+        standard_views(ui, commands);
+    } else {
+        let menu = ui.menu_button("Look", |ui| standard_views(ui, commands));
+        menu.response
+            .accessible_name("Toolbar: Look")
+            .on_hover_text("Standard views of the cloth, and its true size.");
     }
-    let command = Command::View(ViewCommand::TrueScale);
-    tool(ui, "1:1", TRUE_SCALE, true, command, commands);
     ui.separator();
     let menu = ui.menu_button("Views", |ui| {
         saved_views(ui, &design.view.cameras, commands);
@@ -153,6 +158,15 @@ pub fn toolbar(ui: &mut Ui, design: &Design, viewport: &Viewport, commands: &mut
     menu.response
         .accessible_name("Toolbar: Compare")
         .on_hover_text("Keeps a snapshot of the picture and shows it beside what you change.");
+}
+
+fn standard_views(ui: &mut Ui, commands: &mut Vec<Command>) {
+    for view in StandardView::ALL {
+        let command = Command::Standard(view);
+        tool(ui, view.name(), view.what(), true, command, commands);
+    }
+    let command = Command::View(ViewCommand::TrueScale);
+    tool(ui, "1:1", TRUE_SCALE, true, command, commands);
 }
 
 /// Saved views to choose from, and a field to save the present one.

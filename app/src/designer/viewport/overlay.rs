@@ -1,6 +1,6 @@
 //! What is written and drawn over the picture: notes in its corners, the scale bar, the first hint.
 
-use egui::{Align2, Color32, FontId, Label, Painter, Rect, RichText, Stroke, Ui, pos2, vec2};
+use egui::{Align2, Color32, FontId, Label, Painter, Rect, Stroke, Ui, pos2, vec2};
 
 /// Where a note stands in a rectangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,15 +71,13 @@ pub fn scale_bar(painter: &Painter, rect: Rect, mm: f64, length: f32, is_paralle
 /// Tells how to move about, in the middle of the lower edge.
 pub fn hint(ui: &mut Ui, rect: Rect) {
     let text = "Drag to turn the cloth · Shift and drag to move it · wheel or pinch to zoom · F fits it in";
-    let text = RichText::new(text).size(13.0).color(TEXT);
-    let size = vec2((rect.width() - 40.0).clamp(80.0, 560.0), 40.0);
+    let margin = vec2(12.0, 8.0);
+    let width = (rect.width() - 40.0).max(80.0) - 2.0 * margin.x;
+    let galley = ui
+        .painter()
+        .layout(text.into(), FontId::proportional(13.0), TEXT, width);
+    let size = galley.size() + 2.0 * margin;
     let place = Align2::CENTER_BOTTOM.anchor_size(rect.center_bottom() - vec2(0.0, 44.0), size);
     ui.painter().rect_filled(place, 6.0, GROUND);
-    let place = place.shrink2(vec2(10.0, 4.0));
-    ui.place(
-        place,
-        Label::new(text)
-            .selectable(false)
-            .halign(egui::Align::Center),
-    );
+    ui.place(place.shrink2(margin), Label::new(galley).selectable(false));
 }

@@ -222,12 +222,18 @@ impl Document {
 
     /// Keeps equal parts of charts in memory once: the comparisons of every frame then compare pointers.
     fn share_tiles(&mut self) {
-        if let Some(pixels) = &mut self.design.chart.pixels {
-            for other in self.saved.iter().chain([&self.settled]) {
-                if let Some(other) = &other.chart.pixels {
-                    pixels.share_with(other);
-                }
-            }
+        let Some(pixels) = &mut self.design.chart.pixels else {
+            return;
+        };
+        let settled = self.settled.chart.pixels.as_ref();
+        // Once a gesture, not every frame: charts that differ all over take a while to compare.
+        if settled.is_some_and(|settled| settled.is(pixels)) {
+            return;
+        }
+        let saved = self.saved.as_ref();
+        let saved = saved.and_then(|saved| saved.chart.pixels.as_ref());
+        for other in [saved, settled].into_iter().flatten() {
+            pixels.share_with(other);
         }
     }
 

@@ -263,8 +263,8 @@ fn a_time_limit_ends_the_export() {
 fn a_fault_is_told_before_anything_is_asked() {
     let mut harness = super::designer_of_size(None, vec2(1280.0, 1600.0));
     super::open_panel(&mut harness, "Loop length");
-    choose(&mut harness, "Map", LengthMap::Gray.label());
-    type_number(&mut harness, "Min", "9");
+    choose(&mut harness, "Lengths", LengthMap::Gray.label());
+    type_number(&mut harness, "Shortest", "9");
     assert!(
         !design(&harness).faults().is_empty(),
         "no fault to test with"

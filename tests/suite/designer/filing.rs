@@ -476,13 +476,14 @@ fn discarded_and_broken_designs_are_not_offered_again() {
 
 #[test]
 fn every_way_out_asks_about_unsaved_changes() {
+    type Way = fn(&mut Harness<'_, App>, &Path);
     let user = User::new();
     let path = user.preset("one.toml");
     let mut harness = user.start(Some(path.clone()));
     wait_for_document(&mut harness, "one");
     wait_for_label(&mut harness, "Preset hotel-white");
     type_number(&mut harness, "Wefts", "44");
-    let ways: [(&str, fn(&mut Harness<'_, App>, &Path)); 7] = [
+    let ways: [(&str, Way); 7] = [
         ("new", |h, _| key(h, Modifiers::COMMAND, Key::N)),
         ("open", |h, _| key(h, Modifiers::COMMAND, Key::O)),
         ("quit", |h, _| key(h, Modifiers::COMMAND, Key::Q)),

@@ -8,6 +8,8 @@ use std::process::{Command, Output};
 use renderer_core::design::{Design, EnvironmentKind};
 use towel_designer::files::{self, Carried, Origin, Shipped};
 
+use crate::support::png;
+
 /// A folder with a preset that names a chart and a picture of the surroundings in other folders.
 struct Workshop(tempfile::TempDir);
 
@@ -194,7 +196,7 @@ fn a_picture_carries_its_design() {
     assert!(!files::carries_design(&shop.at("plain.png")));
     let plain = fs::read(shop.at("plain.png")).unwrap();
     let picture = shop.at("picture.png");
-    fs::write(&picture, files::insert_chunks(plain, &embedded.chunks)).unwrap();
+    fs::write(&picture, png::with_chunks(plain, &embedded.chunks)).unwrap();
     shop.remove_sources();
     assert!(files::carries_design(&picture));
     let opened = files::open_design(&picture).unwrap();
@@ -235,7 +237,7 @@ fn large_images_stay_in_their_files_and_that_is_told() {
     write_noise(&shop.at("plain.png"), 9, 7);
     let plain = fs::read(shop.at("plain.png")).unwrap();
     let picture = shop.at("picture.png");
-    fs::write(&picture, files::insert_chunks(plain, &embedded.chunks)).unwrap();
+    fs::write(&picture, png::with_chunks(plain, &embedded.chunks)).unwrap();
     assert_same_cloth(&files::load_design(&picture).unwrap(), &design);
     shop.remove_sources();
     let opened = files::open_design(&picture).unwrap();

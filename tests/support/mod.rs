@@ -6,6 +6,7 @@ pub mod device;
 pub mod display;
 pub mod file_drop;
 pub mod patches;
+pub mod png;
 pub mod probe;
 pub mod same_sample;
 pub mod scenes;

@@ -50,10 +50,10 @@ enum Command {
     Render(Box<render::RenderArguments>),
     /// Measure run time against error of every method: a table, plots and a summary.
     Bench(bench::BenchArguments),
-    /// Validate presets; print every fault with line and column.
-    Check(check::CheckArguments),
     /// Measure how smoothly the window goes while it renders: the times between its frames.
     Pace(pace::PaceArguments),
+    /// Validate presets; print every fault with line and column.
+    Check(check::CheckArguments),
     /// Write what a preset is made of: its loops, volumes or turbulence.
     #[command(subcommand)]
     Export(export::Export),

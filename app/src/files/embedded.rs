@@ -17,8 +17,6 @@ use super::{Carried, FileError};
 const KIND: [u8; 4] = *b"toWl";
 /// What a PNG begins with.
 const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
-/// Where chunks may be inserted: behind the signature and IHDR, which has 13 bytes.
-const FIRST_CHUNK_END: usize = SIGNATURE.len() + 12 + 13;
 /// Largest image that a picture takes along, bytes.
 const LARGEST_IMAGE: usize = 4 << 20;
 /// Largest chunk that is read: two images, a preset and a little more.
@@ -70,14 +68,6 @@ impl LeftOut {
             ),
         }
     }
-}
-
-/// A PNG's bytes with chunks inserted behind its header.
-pub fn insert_chunks(mut png: Vec<u8>, chunks: &[Vec<u8>]) -> Vec<u8> {
-    if png.len() >= FIRST_CHUNK_END {
-        png.splice(FIRST_CHUNK_END..FIRST_CHUNK_END, chunks.concat());
-    }
-    png
 }
 
 /// Whether a file is a PNG that carries a design.

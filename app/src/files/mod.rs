@@ -30,7 +30,7 @@ use renderer_core::design::preset::{PresetFault, SetError};
 
 pub use bundle::{BUNDLE_ENDING, Packer, is_bundle, save_bundle};
 pub use carried::Carried;
-pub use embedded::{Embedded, carries_design, embedded, insert_chunks};
+pub use embedded::{Embedded, carries_design, embedded};
 pub use images::{load_chart, load_environment};
 pub use outline::Outline;
 pub use own_chart::OwnChart;

@@ -14,6 +14,8 @@ use towel_designer::backend::BackendChoice;
 use towel_designer::designer::{App, Folders, Setup};
 use towel_designer::files::{self, Carried};
 
+use crate::support::png;
+
 use super::{
     Dropped, FlatBackend, click, design, open_panel, type_number, type_path, wait, write_chart,
 };
@@ -184,7 +186,7 @@ fn an_exported_picture_opens_its_design_or_is_a_chart() {
     let embedded = files::embedded(&exported, &Carried::default(), Path::new("")).unwrap();
     let picture = user.at("picture.png");
     let plain = fs::read(user.at("chart.png")).unwrap();
-    fs::write(&picture, files::insert_chunks(plain, &embedded.chunks)).unwrap();
+    fs::write(&picture, png::with_chunks(plain, &embedded.chunks)).unwrap();
 
     let drop_it = |harness: &mut Harness<'_, App>| {
         let dropped = Arc::new(Dropped(picture.clone()));

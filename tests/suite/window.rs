@@ -40,13 +40,12 @@ fn the_program_opens_draws_saves_and_closes() {
     let folder = tempfile::tempdir().expect("a folder");
     let preset = small_preset(folder.path());
     let display = Display::start("1280x720x24");
-    let preset = preset.to_string_lossy();
     let program = Program::start(
         &display,
         folder.path(),
-        &[&preset, "--backend", "cpu"],
+        &[&preset.to_string_lossy(), "--backend", "cpu"],
         "small - Towel Designer",
-        [1280, 720],
+        SIZE,
     );
 
     // Panels left and right, a picture of red cloth between them.
@@ -66,9 +65,7 @@ fn the_program_opens_draws_saves_and_closes() {
     program.wait_for_rest();
 
     // A cell of the pattern is painted by the keyboard: Tab reaches everything, but a click is nearer.
-    // The editor's near left cell, where the layout at this size puts it.
-    display.xdotool("mousemove 23 345");
-    display.xdotool("click 1");
+    click(&display, designer::cell(&twin(&preset), 0, 0));
     wait("the painted stitch's unsaved mark", || {
         display.xdotool("key 9");
         std::thread::sleep(Duration::from_millis(300));

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 use renderer_core::design::{Design, Method, Quality};
 use renderer_core::image::{Background, Depth, Display, ExrLayer};
-use renderer_core::render::{Camera, Settings};
+use renderer_core::render::{Camera, Settings, Skip, Skips};
 use renderer_core::scene;
 
 use super::stats::{Bytes, Seconds, Stats, scene_bytes};
@@ -80,6 +80,9 @@ pub struct RenderArguments {
     /// Count rays, cells, patch tests and so on for --stats; costs time.
     #[arg(long, requires = "stats")]
     counters: bool,
+    /// Do work that is else left out where it cannot be seen, to compare time and picture; may be given several times.
+    #[arg(long, value_name = "NAME")]
+    no_skip: Vec<Skip>,
     /// Print nothing but errors.
     #[arg(long)]
     quiet: bool,
@@ -303,6 +306,7 @@ fn settings(design: &Design, arguments: &RenderArguments, format: &Format) -> Se
         shadows: preset.shadows,
         aov: matches!(format, Format::Exr(layers) if layers.iter().any(|l| *l != ExrLayer::Alpha)),
         counters: arguments.counters,
+        skips: (arguments.no_skip.iter()).fold(Skips::ALL, |skips, &skip| skips.without(skip)),
     }
 }
 

@@ -84,6 +84,11 @@ pub struct CountersJson {
     contributing_hits: u64,
     shadow_rays: u64,
     skipped_tiles: u64,
+    converged_tiles: u64,
+    skipped_cells: u64,
+    repeated_tests: u64,
+    ended_rays: u64,
+    hidden_rays: u64,
 }
 
 impl From<Counters> for CountersJson {
@@ -96,6 +101,11 @@ impl From<Counters> for CountersJson {
             volume_samples,
             contributing_hits,
             skipped_tiles,
+            converged_tiles,
+            skipped_cells,
+            repeated_tests,
+            ended_rays,
+            hidden_rays,
         } = counters;
         Self {
             rays,
@@ -105,6 +115,11 @@ impl From<Counters> for CountersJson {
             contributing_hits,
             shadow_rays,
             skipped_tiles,
+            converged_tiles,
+            skipped_cells,
+            repeated_tests,
+            ended_rays,
+            hidden_rays,
         }
     }
 }

@@ -245,6 +245,6 @@ pub fn counters(
         patch_tests: total(layout::COUNT_PATCH_TESTS),
         volume_samples: total(layout::COUNT_VOLUME_SAMPLES),
         contributing_hits: total(layout::COUNT_CONTRIBUTING_HITS),
-        skipped_tiles: 0,
+        ..Counters::default()
     })
 }

@@ -7,8 +7,10 @@
 pub mod accumulation;
 mod camera;
 pub mod progressive;
+mod skips;
 
 pub use camera::{Camera, Projection, RayTile};
+pub use skips::{Skip, Skips};
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -61,6 +63,8 @@ pub struct Settings {
     pub aov: bool,
     /// Count rays, cells, patch tests and so on; costs time.
     pub counters: bool,
+    /// Work that is left out where it cannot be seen.
+    pub skips: Skips,
 }
 
 impl From<&Quality> for Settings {
@@ -88,6 +92,7 @@ impl From<&Quality> for Settings {
             shadows,
             aov: false,
             counters: false,
+            skips: Skips::ALL,
         }
     }
 }
@@ -127,8 +132,18 @@ pub struct Counters {
     pub volume_samples: u64,
     /// Loops or points that took light away.
     pub contributing_hits: u64,
-    /// Tiles not rendered because nothing can be seen in them.
+    /// Samples of whole tiles not drawn because nothing can be seen in them.
     pub skipped_tiles: u64,
+    /// Samples of whole tiles not drawn because their error was below the target.
+    pub converged_tiles: u64,
+    /// Cells in which a ray passed above or below all loops.
+    pub skipped_cells: u64,
+    /// Ray–loop solves not made again because an earlier cell had made them.
+    pub repeated_tests: u64,
+    /// Shadow rays ended because hardly any light came through.
+    pub ended_rays: u64,
+    /// Rays ended at a ground weave without gaps, before what lies behind it.
+    pub hidden_rays: u64,
 }
 
 impl std::ops::AddAssign for Counters {
@@ -141,6 +156,11 @@ impl std::ops::AddAssign for Counters {
             volume_samples,
             contributing_hits,
             skipped_tiles,
+            converged_tiles,
+            skipped_cells,
+            repeated_tests,
+            ended_rays,
+            hidden_rays,
         } = other;
         self.rays += rays;
         self.shadow_rays += shadow_rays;
@@ -149,6 +169,11 @@ impl std::ops::AddAssign for Counters {
         self.volume_samples += volume_samples;
         self.contributing_hits += contributing_hits;
         self.skipped_tiles += skipped_tiles;
+        self.converged_tiles += converged_tiles;
+        self.skipped_cells += skipped_cells;
+        self.repeated_tests += repeated_tests;
+        self.ended_rays += ended_rays;
+        self.hidden_rays += hidden_rays;
     }
 }
 

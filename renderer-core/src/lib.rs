@@ -7,6 +7,7 @@
 //! - [`design`]: what a user edits, and preset files.
 //! - [`scene`]: a design resolved: loop frames, cell lists, loop volumes, skeleton, lights.
 //! - [`geometry`], [`sampling`]: bilinear patches and random sequences, without knowledge of scenes.
+//! - [`optics`]: how points scatter, and what light comes from where.
 //! - [`render`]: what the backends share: request, camera, progress.
 //! - [`mod@reference`]: plain scalar f64, the oracle. [`cpu`]: all cores. [`gpu`]: wgpu compute.
 //! - [`image`]: pictures, their display, files and differences.
@@ -17,6 +18,7 @@ pub mod geometry;
 pub mod gpu;
 pub mod image;
 pub mod reference;
+pub mod optics;
 pub mod render;
 pub mod sampling;
 pub mod scene;

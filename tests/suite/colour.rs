@@ -13,7 +13,8 @@ use palette::{FromColor, Lab, LinSrgb};
 use rayon::prelude::*;
 use renderer_core::design::{CameraDesign, Colour, Design, Method, Phase, Quality};
 use renderer_core::geometry::Ray;
-use renderer_core::reference::{Lobe, Optics, Scratch, Tracer};
+use renderer_core::optics::{Lobe, Optics};
+use renderer_core::reference::{Scratch, Tracer};
 use renderer_core::render::{Camera, RenderRequest, Settings};
 use renderer_core::sampling::{Pcg, directions};
 use renderer_core::scene::escape::{
@@ -127,7 +128,7 @@ fn measure(scene: &Scene, walks: u32) -> Vec<Bin> {
                     }
                     weight *= vertex.albedo.x;
                     let view = -ray.direction;
-                    ray = vertex.leave(onward(&optics, vertex.lobe, view, &mut pcg));
+                    ray = vertex.leave(onward(&optics, vertex.lobe, view, &mut pcg), 1e-6);
                 }
             }
             (bins, met)

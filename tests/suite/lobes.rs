@@ -7,7 +7,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use renderer_core::design::{Phase, SkeletonDesign, SkeletonShading, Weave};
 use renderer_core::gpu::layout::{self, HIGHLIGHT_INTERVALS, SceneConstants};
-use renderer_core::reference::{Lobe, Optics};
+use renderer_core::optics::{Lobe, Optics};
 use renderer_core::sampling::Pcg;
 use renderer_core::scene::{Material, PileOptics, Skeleton};
 

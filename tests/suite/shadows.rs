@@ -36,7 +36,7 @@ fn without_shadows_every_point_has_all_its_light() {
         assert!(light.iter().all(|&light| light > 0.0));
         for backend in [&mut gpu() as &mut dyn Backend, &mut CpuBackend::default()] {
             // The GPU does not draw all methods.
-            if matches!(backend.begin(&request), Err(RenderError::Method(_))) {
+            if matches!(backend.begin(&request), Err(RenderError::Method { .. })) {
                 continue;
             }
             let picture = finish(backend, &request);

@@ -7,12 +7,14 @@ mod basis;
 mod frame;
 mod frame_line;
 mod interval;
+mod main_axis;
 mod patch;
 
 pub use basis::orthonormal_basis;
 pub use frame::{LoopFrame, Slopes};
 pub use frame_line::{FrameLine, InsideParts};
 pub use interval::{Interval, clip_to_box};
+pub use main_axis::main_axis;
 pub use patch::{BilinearPatch, PatchLine, Root, Roots, quadratic_roots};
 
 use glam::DVec3;

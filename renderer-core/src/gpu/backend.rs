@@ -243,7 +243,10 @@ impl Backend for GpuBackend {
         }
         check_size(request.size, request.crop)?;
         if request.settings.method == Method::SixFace {
-            return Err(RenderError::Method(Method::SixFace.name()));
+            return Err(RenderError::Method {
+                backend: BackendKind::Gpu,
+                method: Method::SixFace,
+            });
         }
         let before = self.work.take().map(|work| work.accumulation);
         let old = self.scene.as_ref();

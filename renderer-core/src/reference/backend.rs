@@ -8,34 +8,29 @@ use crate::image::Picture;
 use crate::render::progressive::{Progressive, Threads};
 use crate::render::{Backend, BackendKind, Counters, Progress, RenderError, RenderRequest};
 
-/// Plain f64 on one thread.
-#[derive(Debug, Default)]
+/// Plain f64, on one thread unless told otherwise.
+#[derive(Debug)]
 pub struct ReferenceBackend {
+    threads: Threads,
     work: Option<(Tracer, Progressive)>,
 }
 
+impl Default for ReferenceBackend {
+    fn default() -> Self {
+        Self {
+            threads: Threads::One,
+            work: None,
+        }
+    }
+}
+
 impl ReferenceBackend {
-    /// Works with `threads`; see [`Backend::advance`].
-    pub(crate) fn advance_with(
-        &mut self,
-        threads: Threads,
-        slice: Duration,
-        cancel: &AtomicBool,
-    ) -> Progress {
-        let deadline = Instant::now() + slice;
-        let Some((tracer, progressive)) = &mut self.work else {
-            return Progress {
-                done: true,
-                ..Progress::default()
-            };
-        };
-        progressive.advance(
-            threads,
-            deadline,
-            cancel,
-            |pixel, sample, scratch: &mut Scratch| tracer.sample(pixel, sample, scratch),
-        );
-        progressive.progress()
+    /// The same samples, drawn by all cores.
+    pub fn on_all_cores() -> Self {
+        Self {
+            threads: Threads::All,
+            work: None,
+        }
     }
 }
 
@@ -45,7 +40,10 @@ impl Backend for ReferenceBackend {
     }
 
     fn device_name(&self) -> String {
-        "f64, one core".into()
+        match self.threads {
+            Threads::One => "f64, one core".into(),
+            Threads::All => format!("f64, {} cores", rayon::current_num_threads()),
+        }
     }
 
     fn begin(&mut self, request: &RenderRequest) -> Result<(), RenderError> {
@@ -66,7 +64,20 @@ impl Backend for ReferenceBackend {
     }
 
     fn advance(&mut self, slice: Duration, cancel: &AtomicBool) -> Result<Progress, RenderError> {
-        Ok(self.advance_with(Threads::One, slice, cancel))
+        let deadline = Instant::now() + slice;
+        let Some((tracer, progressive)) = &mut self.work else {
+            return Ok(Progress {
+                done: true,
+                ..Progress::default()
+            });
+        };
+        progressive.advance(
+            self.threads,
+            deadline,
+            cancel,
+            |pixel, sample, scratch: &mut Scratch| tracer.sample(pixel, sample, scratch),
+        );
+        Ok(progressive.progress())
     }
 
     fn picture(&mut self) -> Result<Picture, RenderError> {

@@ -3,8 +3,9 @@
 
 use super::layered::LayerCrossing;
 use super::single::Crossing;
-use super::{CellSpan, LoopPlace, Scratch, SkeletonHit, Tracer, Vertex};
+use super::{CellSpan, LoopPlace, Scratch, SkeletonHit, Tracer};
 use crate::design::Method;
+use crate::optics::{Vertex};
 use crate::geometry::Ray;
 use crate::render::Counters;
 

@@ -4,8 +4,9 @@ use glam::DVec3;
 
 use super::volume::LoopVolume;
 use super::walk::{CellLoops, CellSpan, LoopPlace};
-use super::{Lobe, SkeletonHit, Tracer, Vertex};
+use super::{SkeletonHit, Tracer};
 use crate::design::{Phase, SkeletonShading};
+use crate::optics::{Lobe, Vertex};
 use crate::geometry::{LoopFrame, Ray};
 
 impl Tracer {

@@ -8,8 +8,9 @@
 use std::ops::ControlFlow;
 
 use super::tracked::{Overlap, chosen, crowded};
-use super::{CellSpan, LoopPlace, Scratch, SkeletonHit, Tracer, Vertex};
+use super::{CellSpan, LoopPlace, Scratch, SkeletonHit, Tracer};
 use crate::design::Method;
+use crate::optics::{Vertex};
 use crate::geometry::{Interval, Ray};
 
 /// Transmittance of a shadow ray below which it counts as dark, as for `single` and `layered`.

@@ -14,19 +14,15 @@
 //! the part of a ray that can be in a loop, so that it stays plain.
 
 mod backend;
-mod bounced;
 mod exact;
 mod first_event;
 mod layered;
 mod lookup;
 mod march;
 mod path;
-mod scatter;
 mod single;
 mod six_face;
 mod skeleton;
-mod sky;
-mod surface;
 mod tracked;
 mod volume;
 mod walk;
@@ -37,16 +33,13 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use crate::geometry::{Interval, LoopFrame, Ray};
+use crate::optics::Optics;
 use crate::render::accumulation::Sample;
 use crate::render::{Camera, Counters, RenderRequest, Settings};
 use crate::scene::{Loops, Scene};
 
 pub use backend::ReferenceBackend;
-pub use scatter::{Lobe, Optics, Vertex};
 pub use skeleton::{SkeletonHit, Yarns};
-pub use sky::environment_radiance;
-pub use surface::SurfaceOptics;
-pub use volume::main_axis;
 pub use walk::{CellSpan, Grid, LoopPlace};
 
 /// Draws samples of one request.

@@ -9,15 +9,18 @@ use std::f64::consts::FRAC_1_PI;
 
 use glam::{DVec2, DVec3};
 
-use super::bounced::bounced;
-use super::{Scratch, Tracer, Vertex, environment_radiance};
+use super::{Scratch, Tracer};
 use crate::design::Method;
 use crate::geometry::Ray;
+use crate::optics::{Vertex, bounced, environment_radiance};
 use crate::render::accumulation::{FirstHit, Sample};
 use crate::sampling::{self, Pcg, Set, directions};
 
 /// The scattering from which on a path may end by Russian roulette: earlier ones carry most of the picture.
 const ROULETTE_FROM: u32 = 3;
+
+/// Distance from a surface at which rays leave it, mm: far above the precision of its hits (10⁻⁹ mm), far below any yarn.
+const SURFACE_OFFSET_MM: f64 = 1e-6;
 
 /// How a point gathers light.
 #[derive(Clone, Copy)]
@@ -149,7 +152,7 @@ impl<'a> PathTracer<'a> {
                 }
                 throughput /= chance;
             }
-            let onward = vertex.leave(direction);
+            let onward = vertex.leave(direction, SURFACE_OFFSET_MM);
             match tracer.collision(&onward, &mut self.pcg, self.scratch) {
                 Some(next) => (vertex, view) = (next, -direction),
                 None => {
@@ -177,7 +180,7 @@ impl<'a> PathTracer<'a> {
             let direction = directions::cone(centre, sun.angular_radius, u, v);
             let value = tracer.optics.value(vertex.lobe, view, direction);
             if value > 0.0 || gather.orders > 0 {
-                let visibility = self.visibility(&vertex.leave(direction), gather.composited);
+                let visibility = self.visibility(&vertex.leave(direction, SURFACE_OFFSET_MM), gather.composited);
                 let by_bounces = gather.by_bounces(vertex, direction, visibility);
                 let light_of_sun = by_bounces * (0.25 * FRAC_1_PI) + value * visibility;
                 light += DVec3::from_array(sun.irradiance) * light_of_sun;
@@ -197,7 +200,7 @@ impl<'a> PathTracer<'a> {
             bounce: gather.bounce,
         });
         let (direction, weight) = tracer.optics.sample(vertex.lobe, view, [u, v]);
-        let visibility = self.visibility(&vertex.leave(direction), gather.composited);
+        let visibility = self.visibility(&vertex.leave(direction, SURFACE_OFFSET_MM), gather.composited);
         let by_bounces = gather.by_bounces(vertex, direction, visibility);
         environment_radiance(lights, direction) * (by_bounces + visibility) * weight
     }

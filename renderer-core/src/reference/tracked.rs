@@ -11,7 +11,8 @@ use std::ops::ControlFlow;
 use glam::DVec3;
 
 use super::walk::CellLoops;
-use super::{LoopPlace, Scratch, SkeletonHit, Tracer, Vertex};
+use super::{LoopPlace, Scratch, SkeletonHit, Tracer};
+use crate::optics::{Vertex};
 use crate::geometry::{Interval, Ray};
 use crate::render::Counters;
 use crate::sampling::Pcg;

@@ -202,9 +202,17 @@ pub enum RenderError {
     /// The size of the picture or of its crop is not allowed.
     #[error("{0}")]
     Size(String),
-    /// The method is not drawn by the GPU.
-    #[error("the gpu backend does not draw by method {0}; use --backend cpu or another method")]
-    Method(String),
+    /// The backend has no code for the method.
+    #[error(
+        "the {} backend does not draw by method {}; use --backend {} or another method",
+        backend.name(), method.name(), backend.plainer().name()
+    )]
+    Method {
+        /// Which backend.
+        backend: BackendKind,
+        /// What it was asked for.
+        method: Method,
+    },
     /// The device refused or failed to do something.
     #[error("the GPU stopped: {0}")]
     Device(String),
@@ -274,6 +282,14 @@ pub enum BackendKind {
 }
 
 impl BackendKind {
+    /// The next slower backend, which draws all that this one does.
+    fn plainer(self) -> Self {
+        match self {
+            Self::Gpu => Self::Cpu,
+            Self::Cpu | Self::Reference => Self::Reference,
+        }
+    }
+
     /// Name on the command line and in the status bar.
     pub fn name(self) -> &'static str {
         match self {

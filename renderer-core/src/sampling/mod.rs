@@ -105,16 +105,33 @@ const DIRECTIONS: [[u32; 4]; 32] = {
     rows
 };
 
+/// Sums of [`DIRECTIONS`] over the set bits of each byte of an index.
+static BYTES: [[[u32; 4]; 256]; 4] = {
+    let mut sums = [[[0; 4]; 256]; 4];
+    let mut place = 0;
+    while place < 4 {
+        let mut byte: usize = 1;
+        while byte < 256 {
+            // Without its lowest bit, and that bit.
+            let (rest, bit) = (byte & (byte - 1), byte.trailing_zeros() as usize);
+            let mut dimension = 0;
+            while dimension < 4 {
+                sums[place][byte][dimension] =
+                    sums[place][rest][dimension] ^ DIRECTIONS[8 * place + bit][dimension];
+                dimension += 1;
+            }
+            byte += 1;
+        }
+        place += 1;
+    }
+    sums
+};
+
 /// The first four Sobol dimensions of point `index`.
 pub fn sobol(index: u32) -> [u32; 4] {
-    let mut point = [0; 4];
-    for (bit, row) in DIRECTIONS.iter().enumerate() {
-        let mask = 0_u32.wrapping_sub(index >> bit & 1);
-        for (x, direction) in point.iter_mut().zip(row) {
-            *x ^= direction & mask;
-        }
-    }
-    point
+    let [a, b, c, d] = index.to_le_bytes().map(usize::from);
+    let rows = [&BYTES[0][a], &BYTES[1][b], &BYTES[2][c], &BYTES[3][d]];
+    [0, 1, 2, 3].map(|x: usize| rows[0][x] ^ rows[1][x] ^ rows[2][x] ^ rows[3][x])
 }
 
 /// The four numbers in [0, 2³²) of a set, for sample `sample` of the pixel with seed `pixel_seed`: a point of the

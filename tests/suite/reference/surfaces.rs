@@ -4,7 +4,8 @@ use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 
 use glam::DVec3;
 use renderer_core::design::{Design, Method, SkeletonShading};
-use renderer_core::reference::{Lobe, Optics, Scratch, SurfaceOptics};
+use renderer_core::optics::{Lobe, Optics, SurfaceOptics};
+use renderer_core::reference::Scratch;
 use renderer_core::scene::compile;
 
 use super::cloth::{Random, direction_bins, integral, shares_of_samples, tracer};

@@ -67,6 +67,8 @@ fn fields(scene: &Scene, point: DVec3) -> Vec<(f64, bool)> {
 
 /// Step of the dense search, mm.
 const STEP: f64 = 1e-3;
+/// Distance from surfaces at which rays leave them, mm.
+const OFFSET_MM: f64 = 1e-6;
 
 /// Where any field has first changed its sign along the ray inside the sheet, by steps; and whether a second one
 /// follows within `doubt`, so that a renderer may have missed both.
@@ -275,18 +277,18 @@ fn rays_leave_the_surface_they_start_on() {
             };
             found += 1;
             // Straight back to where the eye is: that way was free.
-            let back = vertex.leave(DVec3::Z);
+            let back = vertex.leave(DVec3::Z, OFFSET_MM);
             assert_eq!(
                 tracer.composited_visibility(&back, &mut scratch),
                 1.0,
                 "{vertex:?}"
             );
             // Along the normal nearly always.
-            let out = vertex.leave(vertex.normal);
+            let out = vertex.leave(vertex.normal, OFFSET_MM);
             free += usize::from(tracer.composited_visibility(&out, &mut scratch) == 1.0);
             // Into the cloth never, where yarns are solid.
             if height == SkeletonHeight::Winding {
-                let inwards = vertex.leave(-vertex.normal);
+                let inwards = vertex.leave(-vertex.normal, OFFSET_MM);
                 assert_eq!(tracer.composited_visibility(&inwards, &mut scratch), 0.0);
             }
         }

@@ -120,7 +120,7 @@ fn judge(design: &Design, backends: &mut [&mut dyn Backend]) -> Result<bool, Str
                 match backend.begin(&request) {
                     Ok(()) => {}
                     // Some methods are not for the GPU.
-                    Err(RenderError::Method(_)) => continue,
+                    Err(RenderError::Method { .. }) => continue,
                     Err(error) => return Err(error.to_string()),
                 }
                 let picture = finish(*backend, &request);

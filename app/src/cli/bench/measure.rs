@@ -167,7 +167,7 @@ impl Subject {
             };
             match backend.begin(&self.request(&setting, 0)?) {
                 Ok(()) => methods.push(method),
-                Err(RenderError::Method(_)) => {}
+                Err(RenderError::Method { .. }) => {}
                 Err(error) => return Err(error.into()),
             }
         }

@@ -155,9 +155,10 @@ fn advice(error: &RenderError) -> String {
             "{what} is {value}, but {adapter} allows at most {limit}; choose the backend cpu in the export window, or \
              make the cloth smaller"
         ),
-        RenderError::Method(method) => format!(
-            "the GPU does not draw by the method {method}; choose the backend auto or cpu in the export window, or \
-             another method under View & quality"
+        RenderError::Method { method, .. } => format!(
+            "the GPU does not draw by the method {}; choose the backend auto or cpu in the export window, or \
+             another method under View & quality",
+            method.name()
         ),
         RenderError::OutOfMemory(why) => format!(
             "the GPU has too little memory ({why}); choose the backend cpu in the export window, or make the cloth smaller"

@@ -88,7 +88,7 @@ impl Fallback {
             ),
         };
         match error {
-            RenderError::Method(_) | RenderError::Size(_) => return Remedy::Tell,
+            RenderError::Method { .. } | RenderError::Size(_) => return Remedy::Tell,
             _ if !is_gpu => return Remedy::Tell,
             RenderError::Lost(_) | RenderError::Device(_) => {
                 let was_lost = self.lost.replace(Instant::now());

@@ -3,11 +3,14 @@
 //! `auto` takes the GPU where an adapter is hardware, and the processor otherwise: on software Vulkan the same picture takes
 //! several times as long as on the processor itself. The processor's backends need no Vulkan, not even its loader.
 
-use renderer_core::cpu::CpuBackend;
+mod processor;
+
 use renderer_core::design::Method;
 use renderer_core::gpu::{self, AdapterSummary, GpuBackend, GpuContext};
 use renderer_core::reference::ReferenceBackend;
 use renderer_core::render::{Backend, BackendKind, RenderError};
+
+use processor::Processor;
 
 /// What the user asks for, on the command line or in the status bar.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, clap::ValueEnum)]
@@ -61,11 +64,11 @@ pub fn make(choice: BackendChoice) -> Result<Box<dyn Backend>, RenderError> {
             (Ok(gpu), _) => Box::new(gpu),
             (Err(error), BackendChoice::Auto) => {
                 tracing::warn!("{error}; using the processor");
-                Box::new(CpuBackend::default())
+                Box::new(Processor::default())
             }
             (Err(error), _) => return Err(error),
         },
-        BackendKind::Cpu => Box::new(CpuBackend::default()),
+        BackendKind::Cpu => Box::new(Processor::default()),
         BackendKind::Reference => Box::new(ReferenceBackend::default()),
     })
 }

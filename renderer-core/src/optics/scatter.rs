@@ -18,9 +18,6 @@ use crate::geometry::Ray;
 use crate::sampling::directions;
 use crate::scene::{Material, PileOptics, Skeleton};
 
-/// Distance from a surface at which rays leave it, mm: far above the precision of its hits (10⁻⁹ mm), far below any yarn.
-const SURFACE_OFFSET_MM: f64 = 1e-6;
-
 /// How one point scatters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Lobe {
@@ -94,11 +91,12 @@ pub struct Vertex {
 }
 
 impl Vertex {
-    /// The ray that leaves it towards `direction`.
-    pub fn leave(&self, direction: DVec3) -> Ray {
+    /// The ray that leaves it towards `direction`, a surface from `offset_mm` above it: that is to be above the precision of
+    /// the renderer's hits and far below any yarn.
+    pub fn leave(&self, direction: DVec3, offset_mm: f64) -> Ray {
         let origin = match self.lobe {
             Lobe::Surface(normal) | Lobe::Phong(normal) | Lobe::Fibres { normal, .. } => {
-                self.position + normal * SURFACE_OFFSET_MM
+                self.position + normal * offset_mm
             }
             _ => self.position,
         };

@@ -32,7 +32,7 @@ const FLOOR: f64 = 1e-4;
 
 /// Mean radiance by bounces, of red, green and blue, at a point whose surroundings have albedo `albedo`, per mean
 /// radiance that an unhindered light brings; `up` is l_z⁺.
-pub(super) fn bounced(visibility: f64, up: f64, albedo: DVec3, orders: u32) -> DVec3 {
+pub fn bounced(visibility: f64, up: f64, albedo: DVec3, orders: u32) -> DVec3 {
     let mut sum = DVec3::ZERO;
     for [share, decay, evenness] in MODES {
         let reach = visibility.max(FLOOR).powf(evenness) + LEVEL;

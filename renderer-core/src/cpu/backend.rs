@@ -1,0 +1,87 @@
+//! The fast renderer as a backend.
+
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+use super::{Scratch, Tracer};
+use crate::design::Method;
+use crate::image::Picture;
+use crate::render::progressive::{Progressive, Threads};
+use crate::render::{Backend, BackendKind, Counters, Progress, RenderError, RenderRequest};
+
+/// All processor cores.
+#[derive(Debug, Default)]
+pub struct CpuBackend {
+    work: Option<(Tracer, Progressive)>,
+}
+
+impl Backend for CpuBackend {
+    fn kind(&self) -> BackendKind {
+        BackendKind::Cpu
+    }
+
+    fn device_name(&self) -> String {
+        match rayon::current_num_threads() {
+            1 => "1 core".into(),
+            cores => format!("{cores} cores"),
+        }
+    }
+
+    fn begin(&mut self, request: &RenderRequest) -> Result<(), RenderError> {
+        if let Some((_, progressive)) = &mut self.work
+            && progressive.go_on_with(request)
+        {
+            return Ok(());
+        }
+        if let Method::Exact | Method::SixFace = request.settings.method {
+            return Err(RenderError::Method {
+                backend: BackendKind::Cpu,
+                method: request.settings.method,
+            });
+        }
+        // The old sums go before there is room for new ones.
+        let last = self.work.take().map(|(tracer, _)| tracer);
+        let progressive = Progressive::new(request)?;
+        let tracer = Tracer::new(request, last.as_ref());
+        self.work = Some((tracer, progressive));
+        Ok(())
+    }
+
+    fn advance(&mut self, slice: Duration, cancel: &AtomicBool) -> Result<Progress, RenderError> {
+        let deadline = Instant::now() + slice;
+        let Some((tracer, progressive)) = &mut self.work else {
+            return Ok(Progress {
+                done: true,
+                ..Progress::default()
+            });
+        };
+        progressive.advance(
+            Threads::All,
+            deadline,
+            cancel,
+            |pixel, sample, scratch: &mut Scratch| tracer.sample(pixel, sample, scratch),
+        );
+        Ok(progressive.progress())
+    }
+
+    fn picture(&mut self) -> Result<Picture, RenderError> {
+        Ok(match &self.work {
+            Some((_, progressive)) => progressive.picture(),
+            None => Picture::default(),
+        })
+    }
+
+    fn counters(&mut self) -> Result<Counters, RenderError> {
+        Ok(match &self.work {
+            Some((_, progressive)) => progressive.counters(),
+            None => Counters::default(),
+        })
+    }
+
+    fn device_bytes(&self) -> u64 {
+        match &self.work {
+            Some((tracer, progressive)) => tracer.cloth.bytes() + progressive.bytes(),
+            None => 0,
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! Compositing along a ray for `single` and `layered` (MODEL.md §9; the paper's §6, steps 3 to 5): which event a camera ray
+//! shows, and what a shadow ray lets through.
+//!
+//! A loop is solved once a ray, in the first block that lists it. What that finds is a camera ray's business in the block
+//! that holds it, and until then waits in [`Scratch::pending`]; a shadow ray takes it at once, since the order of what takes
+//! light away does not matter to what is left.
+
+use super::block::{BlockRay, Listed};
+use super::crossing::Crossing;
+use super::walk::SquareSpan;
+use super::{Scratch, Tracer};
+use crate::design::Method;
+use crate::geometry::Ray;
+use crate::optics::Vertex;
+use crate::render::Counters;
+
+/// Optical depth of a shadow ray from which on it counts as dark: a transmittance of 10⁻⁴, invisible in 8 bits.
+const DARK_DEPTH: f32 = 9.210_34;
+
+/// Something that takes light from a ray.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Event {
+    /// Place in the order of events, mm from where the ray came to the cloth.
+    pub t: f32,
+    /// What is taken, as an optical depth.
+    pub depth: f32,
+    /// Index of the loop.
+    pub index: u32,
+    pub crossing: Crossing,
+    /// Where the block begins that the crossing is told from, mm from where the ray came to the cloth.
+    pub found_from: f32,
+}
+
+impl Tracer {
+    /// The first event at which the transmittance along a camera ray falls below `xi`, as the point that scatters; each
+    /// event is chosen with its share T·opacity of the light, so that the point counts with weight 1.
+    pub fn first_event(&self, ray: &Ray, xi: f64, scratch: &mut Scratch) -> Option<Vertex> {
+        scratch.counters.rays += 1;
+        let cloth = &self.cloth;
+        let part = self.part_in_cloth(ray);
+        let limit = -(xi.ln() as f32);
+        scratch.pending.clear();
+        scratch.mailbox.clear();
+        let mut ground = None;
+        let mut ground_is_known = cloth.ground.is_none();
+        let mut depth = 0.0;
+        for span in cloth.grid.blocks(ray, part) {
+            scratch.counters.cells += 1;
+            // Step 5: the ground is opaque. Loops of the far side are met in blocks behind its gaps.
+            if !ground_is_known && self.is_in_ground_layer(ray, span.leave) {
+                ground = self.ground_hit(ray, part);
+                ground_is_known = true;
+            }
+            let from = span.enter - part[0];
+            let to = ground.map_or(span.leave, |hit| hit.t.min(span.leave)) - part[0];
+            if to <= from {
+                break;
+            }
+            // Step 3: all loops crossed in this block.
+            self.solve_block(ray, &span, from as f32, part[0] as f32, scratch, |event, pending| {
+                let behind = pending.iter().rposition(|other| other.t >= event.t);
+                pending.insert(behind.map_or(0, |at| at + 1), event);
+            });
+            // Step 4: what each lets through. The nearest is last.
+            let mut chosen = None;
+            while let Some(event) = scratch.pending.pop_if(|event| event.t < to as f32) {
+                depth += event.depth;
+                if depth > limit {
+                    chosen = Some(event);
+                    break;
+                }
+            }
+            if let Some(event) = chosen {
+                return Some(self.event_vertex(ray, &event, part[0]));
+            }
+            if ground.is_some_and(|hit| hit.t <= span.leave) {
+                break;
+            }
+        }
+        ground.map(|hit| self.ground_vertex(ray, &hit))
+    }
+
+    /// Share of light that comes through along a shadow ray.
+    pub fn composited_visibility(&self, ray: &Ray, scratch: &mut Scratch) -> f64 {
+        scratch.counters.shadow_rays += 1;
+        if self.is_blocked_by_ground(ray, scratch) {
+            return 0.0;
+        }
+        let cloth = &self.cloth;
+        let part = cloth.grid.clip_blocks(ray, cloth.grid.loop_heights);
+        scratch.mailbox.clear();
+        let mut depth = 0.0;
+        for span in cloth.grid.blocks(ray, part) {
+            scratch.counters.cells += 1;
+            let from = (span.enter - part[0]) as f32;
+            self.solve_block(ray, &span, from, part[0] as f32, scratch, |event, _| {
+                depth += event.depth;
+            });
+            if depth > DARK_DEPTH && self.ends_opaque_rays {
+                scratch.counters.ended_rays += 1;
+                return 0.0;
+            }
+        }
+        f64::from(-depth).exp()
+    }
+
+    /// Calls `found` for all events, here or further on, of the loops that a ray may meet in a block and that it has not
+    /// solved before. The block begins `from` mm from where the ray came to the cloth, and that is `start` mm from its origin.
+    #[inline]
+    fn solve_block(
+        &self,
+        ray: &Ray,
+        span: &SquareSpan,
+        from: f32,
+        start: f32,
+        scratch: &mut Scratch,
+        mut found: impl FnMut(Event, &mut Vec<Event>),
+    ) {
+        let block = self.cloth.block(span.square);
+        let part = self.cloth.in_block(ray, span);
+        let leave = part.point.z + part.direction.z * part.length;
+        let heights = [part.point.z.min(leave), part.point.z.max(leave)];
+        let Scratch {
+            counters,
+            mailbox,
+            pending,
+            ..
+        } = scratch;
+        let mut solve = |listed: Listed| {
+            if self.remembers_tests && mailbox.has(listed.index) {
+                counters.repeated_tests += 1;
+                return;
+            }
+            self.solve(&part, listed, from, from + start, counters, |event| {
+                found(event, pending);
+            });
+        };
+        if !self.skips_empty {
+            block.all().for_each(solve);
+        } else if block.is_missed(heights) {
+            counters.skipped_cells += 1;
+        } else {
+            block.met_by(&part).for_each(&mut solve);
+        }
+    }
+
+    /// The events of one loop. `from` and `travelled` are the distances of the part's beginning from where the ray came to
+    /// the cloth, and from its origin.
+    #[inline]
+    fn solve(
+        &self,
+        part: &BlockRay,
+        listed: Listed,
+        from: f32,
+        travelled: f32,
+        counters: &mut Counters,
+        mut found: impl FnMut(Event),
+    ) {
+        let cloth = &self.cloth;
+        let patch = cloth.patch(listed.index, listed.cell, part.point);
+        let mut event = |crossing: Crossing, counters: &mut Counters| {
+            let t = crossing.t();
+            // Crossings before this block were found in an earlier one, but for those behind a ray that begins here. Where
+            // loops are solved in every block that lists them, each block takes its own crossings only.
+            if t < 0.0 && travelled > 0.0 || !self.remembers_tests && t >= part.length {
+                return;
+            }
+            let yarn = cloth.yarn(listed.index);
+            let depth = crossing.optical_depth(&yarn, cloth.layers(), counters);
+            if depth > 0.0 {
+                counters.contributing_hits += 1;
+                found(Event {
+                    t: from + t.max(0.0),
+                    depth,
+                    index: listed.index,
+                    crossing,
+                    found_from: from,
+                });
+            }
+        };
+        if self.settings.method == Method::Layered {
+            Crossing::of_layers(
+                &patch,
+                cloth.thickness,
+                cloth.layers(),
+                part.direction,
+                travelled,
+                |crossing| event(crossing, counters),
+            );
+        } else {
+            counters.patch_tests += 1;
+            Crossing::of_middle(&patch, cloth.thickness, part.direction, travelled, |crossing| {
+                event(crossing, counters);
+            });
+        }
+    }
+}

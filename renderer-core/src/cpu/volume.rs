@@ -1,0 +1,209 @@
+//! Densities inside loops (MODEL.md §5), stored so that one load brings the four voxels that a bilinear look needs.
+
+use glam::{DMat3, DVec3};
+
+use crate::design::Interpolation;
+use crate::geometry::main_axis;
+use crate::scene::{LoopLook, PileOptics, Section, Volumes};
+
+/// All volumes of a scene.
+#[derive(Debug)]
+pub(super) struct VoxelTable {
+    /// ρ of a voxel and of its neighbours along u, along v, and along both, 255 = 1; clamped at the borders.
+    quads: Vec<[u8; 4]>,
+    /// Voxels along u and along v.
+    side: usize,
+    layers: usize,
+    linear: bool,
+    /// Share of the loop, from its root, over which density fades in.
+    root_blend: f32,
+    /// For each material: index of its first volume's first quad, and extinction of solid yarn, 1/mm.
+    materials: Vec<(usize, f32)>,
+    /// Quads of a volume.
+    volume: usize,
+    /// Shade and directions of fibres, which are read only where a ray ends.
+    volumes: Section<Volumes>,
+}
+
+/// The volume of one loop.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Yarn<'a> {
+    table: &'a VoxelTable,
+    first: usize,
+    /// Extinction where ρ = 1, 1/mm.
+    pub density: f32,
+}
+
+impl VoxelTable {
+    pub fn new(volumes: &Section<Volumes>, pile: &PileOptics) -> Self {
+        let (side, layers) = (volumes.resolution as usize, volumes.layers as usize);
+        let volume = layers * side * side;
+        let quad = |index: usize| {
+            let (a, b) = (index % side, index / side % side);
+            let right = usize::from(a + 1 < side);
+            let up = side * usize::from(b + 1 < side);
+            [index, index + right, index + up, index + right + up].map(|k| volumes.voxels[k][0])
+        };
+        Self {
+            quads: (0..volumes.voxels.len()).map(quad).collect(),
+            side,
+            layers,
+            linear: volumes.interpolation == Interpolation::Linear,
+            root_blend: volumes.root_blend,
+            materials: (pile.materials.iter())
+                .map(|material| {
+                    let first = (material.kind * volumes.variants) as usize * volume;
+                    (first, material.density_per_mm)
+                })
+                .collect(),
+            volume,
+            volumes: volumes.clone(),
+        }
+    }
+
+    /// The volume of a loop that looks like `look`.
+    #[inline]
+    pub fn yarn(&self, look: LoopLook) -> Yarn<'_> {
+        let (first, density) = self.materials[usize::from(look.material)];
+        Yarn {
+            table: self,
+            first: first + usize::from(look.variant) * self.volume,
+            density,
+        }
+    }
+
+    pub fn layers(&self) -> usize {
+        self.layers
+    }
+
+    /// Bytes of the voxels.
+    pub fn bytes(&self) -> u64 {
+        size_of_val(&*self.quads) as u64
+    }
+}
+
+impl Yarn<'_> {
+    /// ρ at (u, v, w), faded out towards the root.
+    #[inline]
+    pub fn rho(&self, u: f32, v: f32, w: f32) -> f32 {
+        let table = self.table;
+        let (last, layers) = ((table.side - 1) as f32, table.layers as f32);
+        let x = (u * table.side as f32 - 0.5).clamp(0.0, last);
+        let y = (v * table.side as f32 - 0.5).clamp(0.0, last);
+        let (a, b) = (x as usize, y as usize);
+        let texel = self.first + b * table.side + a;
+        let layer_size = table.side * table.side;
+        let bilinear = |layer: usize| {
+            let quad = table.quads[texel + layer * layer_size].map(f32::from);
+            let (right, up) = (x - a as f32, y - b as f32);
+            let lower = quad[0] + right * (quad[1] - quad[0]);
+            let upper = quad[2] + right * (quad[3] - quad[2]);
+            lower + up * (upper - lower)
+        };
+        let sum = if table.linear {
+            let z = ((w + 0.5) * layers - 0.5).clamp(0.0, layers - 1.0);
+            let near = z as usize;
+            let share = z - near as f32;
+            let here = bilinear(near);
+            if share > 0.0 {
+                here + share * (bilinear(near + 1) - here)
+            } else {
+                here
+            }
+        } else {
+            bilinear((((w + 0.5) * layers) as usize).min(table.layers - 1))
+        };
+        sum * (1.0 / 255.0) * self.fade(v)
+    }
+
+    /// Share of the density that a loop has at height `v` above its root.
+    #[inline]
+    fn fade(&self, v: f32) -> f32 {
+        let blend = self.table.root_blend;
+        if v >= blend {
+            return 1.0;
+        }
+        let x = (v / blend).max(0.0);
+        x * x * (3.0 - 2.0 * x)
+    }
+
+    /// The eight voxels around (u, v, w), with their weights.
+    fn around(&self, [u, v, w]: [f32; 3]) -> [(usize, f32); 8] {
+        let table = self.table;
+        let pair = |place: f32, count: usize| {
+            let x = (place * count as f32 - 0.5).clamp(0.0, (count - 1) as f32);
+            let near = x as usize;
+            let share = x - near as f32;
+            [(near, 1.0 - share), ((near + 1).min(count - 1), share)]
+        };
+        let nearest = |place: f32, count: usize| {
+            let index = ((place * count as f32) as usize).min(count - 1);
+            [(index, 1.0), (index, 0.0)]
+        };
+        let across = match table.linear {
+            true => pair(w + 0.5, table.layers),
+            false => nearest(w + 0.5, table.layers),
+        };
+        let (columns, rows) = (pair(u, table.side), pair(v, table.side));
+        [0, 1, 2, 3, 4, 5, 6, 7].map(|corner: usize| {
+            let (layer, layer_weight) = across[corner >> 2];
+            let (row, row_weight) = rows[corner >> 1 & 1];
+            let (column, column_weight) = columns[corner & 1];
+            let index = self.first + (layer * table.side + row) * table.side + column;
+            (index, layer_weight * row_weight * column_weight)
+        })
+    }
+
+    /// Factor on the albedo at (u, v, w); 1 where nothing is.
+    pub fn shade(&self, place: [f32; 3]) -> f32 {
+        let (mut rho, mut shaded) = (0.0, 0.0);
+        for (voxel, weight) in self.around(place) {
+            let [density, shade] = self.table.volumes.voxels[voxel];
+            rho += weight * f32::from(density);
+            shaded += weight * f32::from(shade);
+        }
+        if rho > 0.0 { shaded / rho } else { 1.0 }
+    }
+
+    /// ∂ρ/∂u, ∂ρ/∂v and ∂ρ/∂w at (u, v, w), without the fade: central differences, a voxel to each side along u and v, a
+    /// layer to each side along w; beyond the volume its border goes on.
+    pub fn slopes(&self, place: [f32; 3]) -> DVec3 {
+        let rho = |place| -> f32 {
+            let weighted = |(voxel, weight): (usize, f32)| {
+                weight * f32::from(self.table.volumes.voxels[voxel][0])
+            };
+            self.around(place).map(weighted).iter().sum::<f32>() / 255.0
+        };
+        let along = |axis: usize, count: usize| {
+            let step = 1.0 / count as f32;
+            let (mut ahead, mut behind) = (place, place);
+            ahead[axis] += step;
+            behind[axis] -= step;
+            f64::from((rho(ahead) - rho(behind)) / (2.0 * step))
+        };
+        let table = self.table;
+        DVec3::new(
+            along(0, table.side),
+            along(1, table.side),
+            along(2, table.layers),
+        )
+    }
+
+    /// The fibre's direction at (u, v, w) in the coordinates (u, v, w), not normalised: the main axis of the mean ttᵀ.
+    pub fn tangent(&self, place: [f32; 3]) -> DVec3 {
+        let volumes = &self.table.volumes;
+        let mut sums = [0.0; 6];
+        for (voxel, weight) in self.around(place) {
+            for (sum, value) in sums.iter_mut().zip(volumes.tangents[voxel]) {
+                *sum += f64::from(weight) * f64::from(value);
+            }
+        }
+        let [xx, yy, zz, xy, xz, yz] = sums;
+        let tensor = DMat3::from_cols(
+            DVec3::new(xx, xy, xz),
+            DVec3::new(xy, yy, yz),
+            DVec3::new(xz, yz, zz),
+        );
+        main_axis(tensor) / DVec3::from_array(volumes.reference_size_mm.map(f64::from))
+    }
+}

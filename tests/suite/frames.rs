@@ -6,7 +6,7 @@ use glam::DVec3;
 use renderer_core::design::{Back, Design, Pattern};
 use renderer_core::sampling::Pcg;
 use renderer_core::scene::{
-    Face, FrameSettings, Jitter, LoopCounts, LoopInput, LoopShape, MAX_LEAN, MAX_SKEW, MAX_TWIST,
+    Face, FrameSettings, Jitter, LoopCounts, LoopInput, LoopPatch, MAX_LEAN, MAX_SKEW, MAX_TWIST,
     compile, loop_shape, warnings,
 };
 
@@ -46,7 +46,7 @@ fn input(turbulence: [f64; 4]) -> LoopInput {
     }
 }
 
-fn shape(settings: &FrameSettings, input: &LoopInput) -> (LoopShape, LoopCounts) {
+fn shape(settings: &FrameSettings, input: &LoopInput) -> (LoopPatch, LoopCounts) {
     let mut counts = LoopCounts::default();
     let shape = loop_shape(settings, input, &mut counts).expect("the loop stands");
     (shape, counts)
@@ -57,7 +57,7 @@ fn assert_near(found: DVec3, expected: [f64; 3]) {
     assert!(difference < ROUNDING, "{found}, not {expected:?}");
 }
 
-fn assert_corners(shape: &LoopShape, expected: [[f64; 3]; 4]) {
+fn assert_corners(shape: &LoopPatch, expected: [[f64; 3]; 4]) {
     for (found, expected) in shape.corners(2.0).into_iter().zip(expected) {
         assert_near(found, expected);
     }
@@ -300,7 +300,7 @@ fn skew_by_formula(r: f64, phi: f64, s: f64, base_width: f64, length: f64) -> f6
 }
 
 /// α and β of a shape: A's parts along b and c in the plane across n̂.
-fn skew_of(shape: &LoopShape, base_width: f32) -> f64 {
+fn skew_of(shape: &LoopPatch, base_width: f32) -> f64 {
     let [b, c, a] = shape.coefficients(base_width);
     let normal = shape.normal(base_width);
     let area = b.cross(c).dot(normal);
@@ -380,8 +380,22 @@ fn loops_stand_where_the_pattern_says() {
         assert_eq!(scene.loops.counts.planted, scene.loops.shapes.len() as u64);
         let rows = (0..4).flat_map(|j| scene.loops.planted_in_row(&scene.sheet, j));
         let all: Vec<_> = rows.collect();
-        // Indices count all shapes in order.
-        assert!(all.iter().zip(0..).all(|(planted, k)| planted.index == k));
+        // Every shape is some loop's, and rows of blocks name them in order.
+        let mut indices: Vec<u32> = all.iter().map(|planted| planted.index).collect();
+        indices.sort_unstable();
+        assert!(indices.iter().zip(0..).all(|(&index, k)| index == k));
+        let block_rows = 0..scene.loops.sheet_block_rows(&scene.sheet);
+        let in_order =
+            block_rows.flat_map(|row| scene.loops.planted_in_block_row(&scene.sheet, row));
+        let in_order: Vec<_> = in_order.collect();
+        assert!(
+            in_order
+                .iter()
+                .zip(0..)
+                .all(|(planted, k)| planted.index == k)
+        );
+        assert_eq!(in_order.len(), all.len());
+        assert!(in_order.iter().all(|planted| all.contains(planted)));
         let on = |face: Face| -> Vec<[u32; 2]> {
             let here = all.iter().filter(|planted| planted.face == face);
             here.map(|planted| planted.cell).collect()
@@ -415,9 +429,11 @@ fn roots_stand_on_the_skeleton() {
     let scene = compile(&design).unwrap();
     for planted in scene.loops.planted_in_row(&scene.sheet, 6) {
         // Roots lie half a cell from the crossing, where the warp passes the middle: its upper side is at its radius.
-        let shape = scene.loops.shapes[planted.index as usize];
+        let patch = scene.loops.patch(planted.index as usize);
         let height = 0.2 * planted.face.sign() as f32;
-        assert!((shape.root_z0 - height).abs() < 1e-6 && (shape.root_z1 - height).abs() < 1e-6);
+        // Half a unit, and f32's rounding.
+        let off = 0.5 * scene.loops.length_unit_mm + 1e-6;
+        assert!((patch.root_z0 - height).abs() < off && (patch.root_z1 - height).abs() < off);
     }
 }
 
@@ -437,11 +453,12 @@ fn neighbouring_loops_share_a_lie() {
     let length = design.length.value;
     // The axis turns by at most tilt·√2·step, and grows by stretch·step.
     let bound = length * 1.2 * 40.0_f64.to_radians() * 2.0_f64.sqrt() * step + length * 0.2 * step;
-    let axes: Vec<DVec3> = scene
-        .loops
-        .shapes
-        .iter()
-        .map(|shape| DVec3::from_array(shape.axis.map(f64::from)))
+    let rows = (0..scene.sheet.wefts).flat_map(|j| scene.loops.planted_in_row(&scene.sheet, j));
+    let axes: Vec<DVec3> = rows
+        .map(|planted| {
+            let patch = scene.loops.patch(planted.index as usize);
+            DVec3::from_array(patch.axis.map(f64::from))
+        })
         .collect();
     let largest = axes
         .windows(2)

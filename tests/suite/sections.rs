@@ -256,7 +256,8 @@ fn a_faulty_design_names_its_faults_and_keeps_the_last_scene() {
 fn assert_finite(scene: &Scene, what: &str) {
     let finite = |numbers: &[f32]| numbers.iter().all(|x| x.is_finite());
     let loops = &scene.loops;
-    for shape in &loops.shapes {
+    for index in 0..loops.shapes.len() {
+        let shape = loops.patch(index);
         assert!(
             finite(&shape.axis)
                 && finite(&shape.half_top)
@@ -268,10 +269,10 @@ fn assert_finite(scene: &Scene, what: &str) {
     }
     assert!(finite(&loops.z_range_mm) && finite(&[loops.height_unit_mm, loops.thickness_mm]));
     assert!(loops.height_unit_mm > 0.0, "{what}");
-    for header in &loops.headers {
+    for (index, header) in loops.headers[..loops.headers.len() - 1].iter().enumerate() {
         let [low, high] = header.z_units();
         assert!(
-            (header.entries_count == 0) == (low > high),
+            loops.entries_of(index).is_empty() == (low > high),
             "{what}: {header:?}"
         );
     }

@@ -7,9 +7,7 @@ use renderer_core::cpu::CpuBackend;
 use renderer_core::design::Method;
 use renderer_core::image::Picture;
 use renderer_core::reference::ReferenceBackend;
-use renderer_core::render::{
-    Backend, BackendKind, Counters, Progress, RenderError, RenderRequest,
-};
+use renderer_core::render::{Backend, BackendKind, Counters, Progress, RenderError, RenderRequest};
 
 /// The backend of choice `cpu`.
 #[derive(Debug)]
@@ -58,10 +56,7 @@ impl Backend for Processor {
     }
 
     fn begin(&mut self, request: &RenderRequest) -> Result<(), RenderError> {
-        let plainly = matches!(
-            request.settings.method,
-            Method::Exact | Method::SixFace
-        );
+        let plainly = matches!(request.settings.method, Method::Exact | Method::SixFace);
         if plainly != self.draws_plainly {
             // What the other one holds would only take memory.
             *self = Self::default();

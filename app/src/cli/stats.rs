@@ -127,9 +127,7 @@ impl From<Counters> for CountersJson {
 /// Bytes of all records of a scene.
 pub fn scene_bytes(scene: &Scene) -> u64 {
     let (loops, volumes) = (&scene.loops, &scene.volumes);
-    let bytes = size_of_val(&*loops.shapes)
-        + size_of_val(&*loops.headers)
-        + size_of_val(&*loops.entries)
+    let bytes = loops.bytes()
         + size_of_val(scene.looks.as_slice())
         + size_of_val(&*volumes.voxels)
         + size_of_val(&*volumes.tangents);

@@ -5,7 +5,7 @@ use glam::Vec3A;
 use super::cloth::Cloth;
 use super::walk::SquareSpan;
 use crate::geometry::Ray;
-use crate::scene::BlockEntry;
+use crate::scene::{BlockEntry, EntryLayout};
 
 /// The part of a ray in a block, relative to the centre of the block's first cell (x, y) and to the sheet (z), mm.
 #[derive(Debug, Clone, Copy)]
@@ -27,60 +27,64 @@ pub(super) struct Listed {
     pub cell: Vec3A,
 }
 
+/// What of a loop a ray may meet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum LoopPart {
+    /// Its patch, w = 0: all that `single` asks for. Entries tell it in ninths of the block.
+    Patch,
+    /// Its volume, in quadrants of the block.
+    Volume,
+}
+
+/// A ray's part in a block, cut where it goes from one of the block's subcells to the next.
+#[derive(Debug, Clone, Copy)]
+struct Pieces {
+    /// The bit of each subcell passed, and the lowest and highest point of the ray in it.
+    list: [(u32, [f32; 2]); 5],
+    count: usize,
+    /// All bits.
+    subcells: u32,
+    /// The quadrant and the height at which the ray starts: of a loop that holds the start, a part lies ahead even where its
+    /// patch lies behind.
+    start: Option<(u32, f32)>,
+}
+
 /// A block's list, and what of it can be met.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Block<'a> {
     cloth: &'a Cloth,
     square: [i64; 2],
     entries: &'a [BlockEntry],
-    /// Lowest and highest point of any loop in the block, mm.
-    pub heights: [f32; 2],
-}
-
-/// Which entries are looked at: those that reach one of these quadrants and these heights, in steps of the block's range.
-#[derive(Debug, Clone, Copy)]
-struct Window {
-    quadrants: u32,
-    lowest_below: u32,
-    highest_from: u32,
-}
-
-impl Window {
-    const ALL: Self = Self {
-        quadrants: 15,
-        lowest_below: u32::MAX,
-        highest_from: 0,
-    };
-
-    #[inline]
-    fn shows(self, entry: BlockEntry) -> bool {
-        let [low, high] = entry.z_steps();
-        entry.quadrants() & self.quadrants != 0
-            && low < self.lowest_below
-            && high >= self.highest_from
-    }
+    /// The heights in which entries tell where loops of the front and of the back are, mm.
+    of_face: [[f32; 2]; 2],
 }
 
 impl Cloth {
     /// The block of a span.
-    #[inline]
+    #[inline(always)]
     pub fn block(&self, square: [i64; 2]) -> Block<'_> {
         let loops = &self.scene.loops;
-        let header = loops.header_index(square);
+        let header = self.grid.header(square);
         let [first, next] = [&loops.headers[header], &loops.headers[header + 1]];
+        let [low, high] = first.z_units();
         let unit = loops.height_unit_mm;
+        let (low, high) = (f32::from(low) * unit, f32::from(high) * unit);
+        let dip = loops.dip_mm;
         Block {
             cloth: self,
             square,
             entries: &loops.entries[first.entries_start as usize..next.entries_start as usize],
-            heights: first.z_units().map(|z| f32::from(z) * unit),
+            of_face: [[low.max(-dip), high], [low, high.min(dip)]],
         }
     }
 
     /// A ray in a block.
-    #[inline]
+    #[inline(always)]
     pub fn in_block(&self, ray: &Ray, span: &SquareSpan) -> BlockRay {
-        let first_cell = span.square.map(|number| number * self.grid.block_cells);
+        let first_cell = [
+            span.square[0] * self.grid.block_cells,
+            span.square[1] * self.grid.block_cells,
+        ];
         BlockRay {
             point: (ray.at(span.enter) - self.grid.cell_centre(first_cell)).as_vec3a(),
             direction: ray.direction.as_vec3a(),
@@ -88,102 +92,184 @@ impl Cloth {
         }
     }
 
-    /// The quadrants of a block that a ray passes, as in [`BlockEntry::quadrants`].
-    #[inline]
-    fn quadrants(&self, part: &BlockRay) -> u32 {
-        if self.grid.block_cells == 1 {
-            return 15;
+    /// Cuts a ray's part in a block; `starts` tells that the ray begins with it.
+    #[inline(always)]
+    fn pieces(&self, part: &BlockRay, subcells: i32, starts: bool) -> Pieces {
+        let n = subcells as f32;
+        // In subcells from the block's low corner, which is half a cell from the centre of its first cell.
+        let per_mm = self.blocks_per_mm * n;
+        let place = (part.point.truncate() + self.pitch * 0.5) * per_mm;
+        let way = part.direction.truncate() * per_mm;
+        let subcell = |x: f32| (x as i32).clamp(0, subcells - 1);
+        let (mut x, mut y) = (subcell(place.x), subcell(place.y));
+        let mut pieces = Pieces {
+            list: [(0, [0.0; 2]); 5],
+            count: 0,
+            subcells: 0,
+            start: None,
+        };
+        if starts {
+            let half = 0.5 * n;
+            let quadrant = u32::from(place.x >= half) + 2 * u32::from(place.y >= half);
+            pieces.start = Some((1 << quadrant, part.point.z));
         }
-        let enter = part.point.truncate() - self.block_middle;
-        let way = part.direction.truncate() * part.length;
-        let leave = enter + way;
-        let bit = |x: f32, y: f32| 1 << (u32::from(x >= 0.0) + 2 * u32::from(y >= 0.0));
-        let ends = bit(enter.x, enter.y) | bit(leave.x, leave.y);
-        if (enter.x >= 0.0) == (leave.x >= 0.0) || (enter.y >= 0.0) == (leave.y >= 0.0) {
-            return ends;
-        }
-        // From one quadrant to the opposite one, through that whose side it comes to first: −enter.x/way.x < −enter.y/way.y.
-        let x_first = (enter.x * way.y).abs() < (enter.y * way.x).abs();
-        ends | if x_first {
-            bit(leave.x, enter.y)
-        } else {
-            bit(enter.x, leave.y)
+        let (x_step, y_step) = (
+            if way.x > 0.0 { 1 } else { -1 },
+            if way.y > 0.0 { 1 } else { -1 },
+        );
+        let (x_per, y_per) = (1.0 / way.x, 1.0 / way.y);
+        let mut z = part.point.z;
+        loop {
+            let x_edge = (x + i32::from(x_step > 0)) as f32;
+            let y_edge = (y + i32::from(y_step > 0)) as f32;
+            // Edges that are never come to are at infinity, or NaN, which no comparison takes.
+            let (x_leave, y_leave) = ((x_edge - place.x) * x_per, (y_edge - place.y) * y_per);
+            let across_x = x_leave < y_leave || y_leave.is_nan();
+            let leave = if across_x { x_leave } else { y_leave };
+            let inner = leave < part.length && pieces.count < 4;
+            let end = if inner { leave.max(0.0) } else { part.length };
+            let z_end = part.point.z + part.direction.z * end;
+            let bit = 1 << (x + subcells * y);
+            pieces.list[pieces.count] = (bit, [z.min(z_end), z.max(z_end)]);
+            pieces.count += 1;
+            pieces.subcells |= bit;
+            if !inner {
+                return pieces;
+            }
+            z = z_end;
+            if across_x {
+                x = (x + x_step).clamp(0, subcells - 1);
+            } else {
+                y = (y + y_step).clamp(0, subcells - 1);
+            }
         }
     }
 }
 
 impl<'a> Block<'a> {
+    /// Lowest and highest point of any loop in the block, mm.
+    #[inline(always)]
+    pub fn heights(&self) -> [f32; 2] {
+        let [front, back] = self.of_face;
+        [front[0].min(back[0]), front[1].max(back[1])]
+    }
+
     /// Whether a ray passes above or below all loops of the block.
-    #[inline]
+    #[inline(always)]
     pub fn is_missed(&self, [low, high]: [f32; 2]) -> bool {
-        !(low <= self.heights[1] && high >= self.heights[0])
+        let own = self.heights();
+        !(low <= own[1] && high >= own[0])
     }
 
-    /// The loops that a ray may meet, by their heights and quadrants.
-    #[inline]
-    pub fn met_by(&self, part: &BlockRay) -> impl Iterator<Item = Listed> + use<'a> {
-        let z = part.point.z;
-        let leave = z + part.direction.z * part.length;
-        let mut window = self.window([z.min(leave), z.max(leave)]);
-        window.quadrants = self.cloth.quadrants(part);
-        self.shown(window)
-    }
-
-    /// The loops that may be at a height.
-    #[inline]
-    pub fn at_height(&self, z: f32) -> impl Iterator<Item = Listed> + use<'a> {
-        self.shown(self.window([z, z]))
-    }
-
-    /// All loops.
-    pub fn all(&self) -> impl Iterator<Item = Listed> + use<'a> {
-        self.shown(Window::ALL)
-    }
-
-    fn window(&self, heights: [f32; 2]) -> Window {
-        let [low, high] = self.heights;
-        let range = high - low;
-        if range <= 0.0 {
-            return Window::ALL;
-        }
-        let steps = BlockEntry::HIGH_STEPS as f32 / range;
-        // Entries hold their bounds rounded outwards; a float below 0 becomes 0.
-        let lowest = (heights[1] - low) * (BlockEntry::LOW_STEPS as f32 / range);
-        Window {
-            quadrants: 15,
-            lowest_below: lowest as u32 + 1,
-            highest_from: ((heights[0] - low) * steps).ceil() as u32,
+    /// The loops of which a ray may meet this part; `starts` tells that the ray begins in the block. All loops if nothing is
+    /// `skipped`.
+    #[inline(always)]
+    pub fn met_by(
+        &self,
+        ray: &BlockRay,
+        part: LoopPart,
+        starts: bool,
+        skipped: bool,
+    ) -> MetLoops<'a> {
+        let subcells = match part {
+            LoopPart::Patch => 3,
+            LoopPart::Volume => 2,
+        };
+        let layout = self.cloth.scene.loops.entry_layout;
+        let quadrants = layout.quadrants_shift();
+        MetLoops {
+            block: *self,
+            layout,
+            pieces: self
+                .cloth
+                .pieces(ray, subcells, starts && part == LoopPart::Patch),
+            subcells_shift: match part {
+                LoopPart::Patch => quadrants + 4,
+                LoopPart::Volume => quadrants,
+            },
+            steps_mm: [0, 1].map(|face: usize| {
+                let [low, high] = self.of_face[face];
+                (high - low) / layout.height_steps() as f32
+            }),
+            skipped,
         }
     }
+}
 
-    #[inline]
-    fn shown(&self, window: Window) -> impl Iterator<Item = Listed> + use<'a> {
-        let Self {
-            cloth,
-            square,
-            entries,
-            ..
-        } = *self;
+/// Iterator over the loops of a block that a ray may meet. One loop in one function, since all of it is to be inlined.
+#[derive(Debug)]
+pub(super) struct MetLoops<'a> {
+    block: Block<'a>,
+    layout: EntryLayout,
+    pieces: Pieces,
+    /// Where an entry tells the subcells, of which the pieces have as many.
+    subcells_shift: u32,
+    /// A step of the heights of either face's loops.
+    steps_mm: [f32; 2],
+    skipped: bool,
+}
+
+impl MetLoops<'_> {
+    /// Whether one of the pieces passes a subcell that the loop reaches, at its heights.
+    #[inline(always)]
+    fn shows(&self, entry: BlockEntry) -> bool {
+        let pieces = &self.pieces;
+        let subcells = entry.0 >> self.subcells_shift;
+        let quadrants = entry.0 >> self.layout.quadrants_shift();
+        let holds_start = pieces.start.map_or(0, |(quadrant, _)| quadrant & quadrants);
+        if subcells & pieces.subcells | holds_start == 0 {
+            return false;
+        }
+        let face = (entry.0 >> self.layout.place_shift() & 1) as usize;
+        let bits = self.layout.height_bits;
+        let heights = entry.0 >> self.layout.heights_shift();
+        let step = |steps: u32| (steps & ((1 << bits) - 1)) as f32;
+        let (floor, step_mm) = (self.block.of_face[face][0], self.steps_mm[face]);
+        let low = floor + step(heights) * step_mm;
+        let high = floor + (step(heights >> bits) + 1.0) * step_mm;
+        let mut shows = false;
+        for (subcell, [lowest, highest]) in &pieces.list[..pieces.count] {
+            shows |= subcells & subcell != 0 && *lowest <= high && *highest >= low;
+        }
+        shows || holds_start != 0 && pieces.start.is_some_and(|(_, z)| low <= z && z <= high)
+    }
+}
+
+impl Iterator for MetLoops<'_> {
+    type Item = Listed;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<Listed> {
+        let entry = loop {
+            let (&entry, rest) = self.block.entries.split_first()?;
+            self.block.entries = rest;
+            if !self.skipped || self.shows(entry) {
+                break entry;
+            }
+        };
+        let cloth = self.block.cloth;
         let loops = &cloth.scene.loops;
-        entries
-            .iter()
-            .filter(move |entry| window.shows(**entry))
-            .map(move |entry| {
-                let side = loops.block_cells;
-                let offset = entry.block_offset();
-                let home = [0, 1].map(|axis| square[axis] + i64::from(offset[axis]));
-                let cell = entry.place() >> 1;
-                let [x, y] = [cell % side, cell / side].map(|place| place as i32);
-                let side = side as i32;
-                let cell = Vec3A::new(
-                    (offset[0] * side + x) as f32 * cloth.pitch.x,
-                    (offset[1] * side + y) as f32 * cloth.pitch.y,
-                    0.0,
-                );
-                Listed {
-                    index: loops.headers[loops.header_index(home)].loop_index(entry.place()),
-                    cell,
-                }
-            })
+        let side = cloth.grid.block_cells as i32;
+        let bits = self.layout.offset_bits;
+        let [right, up] = [
+            (entry.0 << (32 - bits)) as i32 >> (32 - bits),
+            (entry.0 << (32 - 2 * bits)) as i32 >> (32 - bits),
+        ];
+        let place = entry.0 >> self.layout.place_shift() & ((1 << self.layout.place_bits) - 1);
+        let home = [
+            self.block.square[0] + i64::from(right),
+            self.block.square[1] + i64::from(up),
+        ];
+        // Blocks are 1, 2 or 4 cells wide.
+        let cell = place as i32 >> 1;
+        let (x, y) = (cell & (side - 1), cell >> side.trailing_zeros());
+        Some(Listed {
+            index: loops.headers[cloth.grid.header(home)].loop_index(place),
+            cell: Vec3A::new(
+                (right * side + x) as f32 * cloth.pitch.x,
+                (up * side + y) as f32 * cloth.pitch.y,
+                0.0,
+            ),
+        })
     }
 }

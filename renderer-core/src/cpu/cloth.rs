@@ -24,10 +24,11 @@ pub(super) struct Cloth {
     pub thickness: f32,
     /// Size of a cell, mm.
     pub pitch: Vec2,
-    /// Middle of a block from the centre of its first cell, mm.
-    pub block_middle: Vec2,
-    length_unit: f32,
-    base_width: f32,
+    /// Blocks in a millimetre.
+    pub blocks_per_mm: Vec2,
+    /// Unit of loops' shapes, and width of their roots, mm.
+    pub length_unit: f32,
+    pub base_width: f32,
     voxels: Arc<VoxelTable>,
 }
 
@@ -54,7 +55,7 @@ impl Cloth {
             densest: densities.fold(0.0, f32::max),
             thickness: scene.loops.thickness_mm,
             pitch: grid.pitch().as_vec2(),
-            block_middle: grid.block_middle().as_vec2(),
+            blocks_per_mm: (1.0 / (grid.pitch() * grid.block_cells as f64)).as_vec2(),
             length_unit: scene.loops.length_unit_mm,
             base_width: scene.loops.base_width_mm,
             scene: Arc::clone(scene),
@@ -66,7 +67,7 @@ impl Cloth {
     }
 
     /// The patch of a loop whose cell's centre is at `cell`, seen from `point`.
-    #[inline]
+    #[inline(always)]
     pub fn patch(&self, index: u32, cell: Vec3A, point: Vec3A) -> Patch {
         let LoopShape {
             axis,
@@ -89,7 +90,7 @@ impl Cloth {
     }
 
     /// The volume of a loop.
-    #[inline]
+    #[inline(always)]
     pub fn yarn(&self, index: u32) -> Yarn<'_> {
         self.voxels.yarn(self.scene.looks[index as usize])
     }

@@ -5,7 +5,8 @@
 //! that holds it, and until then waits in [`Scratch::pending`]; a shadow ray takes it at once, since the order of what takes
 //! light away does not matter to what is left.
 
-use super::block::{BlockRay, Listed};
+use super::batch::Batch;
+use super::block::{BlockRay, Listed, LoopPart};
 use super::crossing::Crossing;
 use super::walk::SquareSpan;
 use super::{Scratch, Tracer};
@@ -34,6 +35,7 @@ pub(super) struct Event {
 impl Tracer {
     /// The first event at which the transmittance along a camera ray falls below `xi`, as the point that scatters; each
     /// event is chosen with its share T·opacity of the light, so that the point counts with weight 1.
+    #[inline(always)]
     pub fn first_event(&self, ray: &Ray, xi: f64, scratch: &mut Scratch) -> Option<Vertex> {
         scratch.counters.rays += 1;
         let cloth = &self.cloth;
@@ -41,26 +43,30 @@ impl Tracer {
         let limit = -(xi.ln() as f32);
         scratch.pending.clear();
         scratch.mailbox.clear();
-        let mut ground = None;
-        let mut ground_is_known = cloth.ground.is_none();
+        let ground_layer = self.ground_layer(ray, part);
+        let (mut ground, mut ground_is_known) = (None, false);
         let mut depth = 0.0;
         for span in cloth.grid.blocks(ray, part) {
             scratch.counters.cells += 1;
             // Step 5: the ground is opaque. Loops of the far side are met in blocks behind its gaps.
-            if !ground_is_known && self.is_in_ground_layer(ray, span.leave) {
-                ground = self.ground_hit(ray, part);
+            if !ground_is_known && span.leave > ground_layer[0] {
+                ground = self.ground_hit(ray, ground_layer);
                 ground_is_known = true;
             }
-            let from = span.enter - part[0];
+            let from = (span.enter - part[0]) as f32;
             let to = ground.map_or(span.leave, |hit| hit.t.min(span.leave)) - part[0];
-            if to <= from {
-                break;
-            }
             // Step 3: all loops crossed in this block.
-            self.solve_block(ray, &span, from as f32, part[0] as f32, scratch, |event, pending| {
-                let behind = pending.iter().rposition(|other| other.t >= event.t);
-                pending.insert(behind.map_or(0, |at| at + 1), event);
-            });
+            self.solve_block(
+                ray,
+                &span,
+                from,
+                part[0] as f32,
+                scratch,
+                |event, pending| {
+                    let behind = pending.iter().rposition(|other| other.t >= event.t);
+                    pending.insert(behind.map_or(0, |at| at + 1), event);
+                },
+            );
             // Step 4: what each lets through. The nearest is last.
             let mut chosen = None;
             while let Some(event) = scratch.pending.pop_if(|event| event.t < to as f32) {
@@ -81,6 +87,7 @@ impl Tracer {
     }
 
     /// Share of light that comes through along a shadow ray.
+    #[inline(always)]
     pub fn composited_visibility(&self, ray: &Ray, scratch: &mut Scratch) -> f64 {
         scratch.counters.shadow_rays += 1;
         if self.is_blocked_by_ground(ray, scratch) {
@@ -106,7 +113,7 @@ impl Tracer {
 
     /// Calls `found` for all events, here or further on, of the loops that a ray may meet in a block and that it has not
     /// solved before. The block begins `from` mm from where the ray came to the cloth, and that is `start` mm from its origin.
-    #[inline]
+    #[inline(always)]
     fn solve_block(
         &self,
         ray: &Ray,
@@ -126,27 +133,69 @@ impl Tracer {
             pending,
             ..
         } = scratch;
-        let mut solve = |listed: Listed| {
-            if self.remembers_tests && mailbox.has(listed.index) {
-                counters.repeated_tests += 1;
-                return;
-            }
-            self.solve(&part, listed, from, from + start, counters, |event| {
-                found(event, pending);
-            });
-        };
-        if !self.skips_empty {
-            block.all().for_each(solve);
-        } else if block.is_missed(heights) {
+        if self.skips_empty && block.is_missed(heights) {
             counters.skipped_cells += 1;
-        } else {
-            block.met_by(&part).for_each(&mut solve);
+            return;
         }
+        let mut batch = Batch::new();
+        let looked_for = match self.settings.method {
+            Method::Layered => LoopPart::Volume,
+            _ => LoopPart::Patch,
+        };
+        let starts = span.enter <= 0.0;
+        let mut listed = block.met_by(&part, looked_for, starts, self.skips_empty);
+        loop {
+            let next = listed.next();
+            if let Some(listed) = next {
+                if self.remembers_tests && mailbox.has(listed.index) {
+                    counters.repeated_tests += 1;
+                } else {
+                    batch.push(&self.cloth, listed);
+                }
+            }
+            if batch.is_full() || next.is_none() {
+                self.solve_batch(&mut batch, &part, [from, start], counters, &mut |event| {
+                    found(event, pending);
+                });
+                if next.is_none() {
+                    return;
+                }
+            }
+        }
+    }
+
+    /// The events of the loops of a batch, which is emptied.
+    #[inline(always)]
+    fn solve_batch(
+        &self,
+        batch: &mut Batch,
+        part: &BlockRay,
+        [from, start]: [f32; 2],
+        counters: &mut Counters,
+        found: &mut impl FnMut(Event),
+    ) {
+        if batch.is_empty() {
+            return;
+        }
+        let mut crossed = if self.settings.method == Method::Layered {
+            // Layers lie beside the middle patch.
+            counters.patch_tests += (batch.len() * self.cloth.layers()) as u64;
+            batch.all()
+        } else {
+            counters.patch_tests += batch.len() as u64;
+            batch.crossed(&self.cloth, part)
+        };
+        while crossed != 0 {
+            let listed = batch.loop_of(crossed.trailing_zeros() as usize);
+            crossed &= crossed - 1;
+            self.solve(part, listed, from, from + start, counters, found);
+        }
+        batch.clear();
     }
 
     /// The events of one loop. `from` and `travelled` are the distances of the part's beginning from where the ray came to
     /// the cloth, and from its origin.
-    #[inline]
+    #[inline(always)]
     fn solve(
         &self,
         part: &BlockRay,
@@ -154,44 +203,46 @@ impl Tracer {
         from: f32,
         travelled: f32,
         counters: &mut Counters,
-        mut found: impl FnMut(Event),
+        found: &mut impl FnMut(Event),
     ) {
         let cloth = &self.cloth;
         let patch = cloth.patch(listed.index, listed.cell, part.point);
-        let mut event = |crossing: Crossing, counters: &mut Counters| {
-            let t = crossing.t();
-            // Crossings before this block were found in an earlier one, but for those behind a ray that begins here. Where
-            // loops are solved in every block that lists them, each block takes its own crossings only.
-            if t < 0.0 && travelled > 0.0 || !self.remembers_tests && t >= part.length {
-                return;
+        let layers = cloth.layers();
+        let is_layered = self.settings.method == Method::Layered;
+        let normal = patch.normal();
+        for layer in 0..if is_layered { layers } else { 1 } {
+            let crossings = if is_layered {
+                let layer = [layer as f32, layers as f32];
+                Crossing::of_layer(
+                    &patch,
+                    normal,
+                    cloth.thickness,
+                    layer,
+                    part.direction,
+                    travelled,
+                )
+            } else {
+                Crossing::of_middle(&patch, cloth.thickness, part.direction, travelled)
+            };
+            for crossing in crossings.iter().flatten() {
+                let t = crossing.t();
+                // Crossings before this block were found in an earlier one, but for those behind a ray that begins here.
+                // Where loops are solved in every block that lists them, each block takes its own crossings only.
+                if t < 0.0 && travelled > 0.0 || !self.remembers_tests && t >= part.length {
+                    continue;
+                }
+                let depth = crossing.optical_depth(&cloth.yarn(listed.index), layers, counters);
+                if depth > 0.0 {
+                    counters.contributing_hits += 1;
+                    found(Event {
+                        t: from + t.max(0.0),
+                        depth,
+                        index: listed.index,
+                        crossing: *crossing,
+                        found_from: from,
+                    });
+                }
             }
-            let yarn = cloth.yarn(listed.index);
-            let depth = crossing.optical_depth(&yarn, cloth.layers(), counters);
-            if depth > 0.0 {
-                counters.contributing_hits += 1;
-                found(Event {
-                    t: from + t.max(0.0),
-                    depth,
-                    index: listed.index,
-                    crossing,
-                    found_from: from,
-                });
-            }
-        };
-        if self.settings.method == Method::Layered {
-            Crossing::of_layers(
-                &patch,
-                cloth.thickness,
-                cloth.layers(),
-                part.direction,
-                travelled,
-                |crossing| event(crossing, counters),
-            );
-        } else {
-            counters.patch_tests += 1;
-            Crossing::of_middle(&patch, cloth.thickness, part.direction, travelled, |crossing| {
-                event(crossing, counters);
-            });
         }
     }
 }

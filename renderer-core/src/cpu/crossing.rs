@@ -22,15 +22,6 @@ pub(super) struct Crossing {
     layer: Option<f32>,
 }
 
-/// One layer's piece of a crossing.
-struct Slab {
-    /// u, v and w in its middle.
-    place: [f32; 3],
-    tau: f32,
-    /// Its length along the ray, mm.
-    length: f32,
-}
-
 /// Where a crossing scatters: its opacity-weighted mean depth and shade.
 pub(super) struct MeanPoint {
     /// Distance from the ray's point, mm.
@@ -42,19 +33,19 @@ pub(super) struct MeanPoint {
 }
 
 impl Crossing {
-    /// The crossings of the middle patch. The ray's point is `travelled` mm from its origin.
-    #[inline]
+    /// The crossings of the middle patch, if there are any. The ray's point is `travelled` mm from its origin.
+    #[inline(always)]
     pub fn of_middle(
         patch: &Patch,
         thickness: f32,
         direction: Vec3A,
         travelled: f32,
-        mut found: impl FnMut(Self),
-    ) {
+    ) -> [Option<Self>; 2] {
         let roots = patch.roots(direction, Vec3A::ZERO);
         let roots = roots.as_slice();
+        let mut crossings = [None; 2];
         if roots.is_empty() {
-            return;
+            return crossings;
         }
         let normal = patch.normal();
         for (index, &root) in roots.iter().enumerate() {
@@ -77,7 +68,7 @@ impl Crossing {
                 .clip(root.u, slopes.u, 0.0, 1.0)
                 .clip(root.v, slopes.v, 0.0, 1.0);
             if !span.is_empty() {
-                found(Self {
+                crossings[index] = Some(Self {
                     root,
                     slopes,
                     span,
@@ -85,49 +76,51 @@ impl Crossing {
                 });
             }
         }
+        crossings
     }
 
-    /// The crossings of all layers' patches, and in `tests` how many were solved.
-    pub fn of_layers(
+    /// The crossings of the patch of layer `layer` of `layers`, `normal` being n̂.
+    #[inline(always)]
+    pub fn of_layer(
         patch: &Patch,
+        normal: Vec3A,
         thickness: f32,
-        layers: usize,
+        [layer, layers]: [f32; 2],
         direction: Vec3A,
         travelled: f32,
-        mut found: impl FnMut(Self),
-    ) {
-        let normal = patch.normal();
-        let count = layers as f32;
-        for layer in 0..layers {
-            let w = (layer as f32 + 0.5) / count - 0.5;
-            let roots = patch.roots(direction, normal * (w * thickness));
-            for &root in roots.as_slice() {
-                let slopes = patch.slopes(normal, thickness, direction, &root);
-                let reach = 0.5 / (count * slopes.w.abs());
-                let span = Span {
-                    low: (-reach).max(-root.t - travelled),
-                    high: reach,
-                };
-                let span = span
-                    .clip(root.u, slopes.u, 0.0, 1.0)
-                    .clip(root.v, slopes.v, 0.0, 1.0);
-                if !span.is_empty() {
-                    found(Self {
-                        root,
-                        slopes,
-                        span,
-                        layer: Some(w),
-                    });
-                }
+    ) -> [Option<Self>; 2] {
+        let w = (layer + 0.5) / layers - 0.5;
+        let roots = patch.roots(direction, normal * (w * thickness));
+        let mut crossings = [None; 2];
+        for (&root, crossing) in roots.as_slice().iter().zip(&mut crossings) {
+            let slopes = patch.slopes(normal, thickness, direction, &root);
+            let reach = 0.5 / (layers * slopes.w.abs());
+            let span = Span {
+                low: (-reach).max(-root.t - travelled),
+                high: reach,
+            };
+            let span = span
+                .clip(root.u, slopes.u, 0.0, 1.0)
+                .clip(root.v, slopes.v, 0.0, 1.0);
+            if !span.is_empty() {
+                *crossing = Some(Self {
+                    root,
+                    slopes,
+                    span,
+                    layer: Some(w),
+                });
             }
         }
+        crossings
     }
 
     /// Distance from the ray's point, mm; negative behind it.
+    #[inline(always)]
     pub fn t(&self) -> f32 {
         self.root.t
     }
 
+    #[inline(always)]
     fn place(&self, tau: f32) -> [f32; 3] {
         [
             self.root.u + self.slopes.u * tau,
@@ -136,69 +129,68 @@ impl Crossing {
         ]
     }
 
-    fn slab(&self, part: Span) -> Slab {
-        Slab {
-            place: self.place(part.middle()),
-            tau: part.middle(),
-            length: part.length(),
-        }
-    }
-
-    /// Calls `visit` for the pieces of the crossing in `layers` layers, front to back.
-    #[inline]
-    fn for_each_slab(&self, layers: usize, mut visit: impl FnMut(Slab)) {
+    /// The pieces of the crossing in `layers` layers, front to back.
+    #[inline(always)]
+    fn slabs(&self, layers: usize) -> Slabs {
         if self.layer.is_some() {
-            return visit(self.slab(self.span));
+            return Slabs {
+                low: self.span.low,
+                high: self.span.high,
+                leaves: self.span.high,
+                way: 0.0,
+                left: 1,
+            };
         }
         let count = layers as f32;
         let slope = self.slopes.w;
-        let layer_at = |tau: f32| ((slope * tau + 0.5) * count).floor().clamp(0.0, count - 1.0);
-        let (first, last) = (layer_at(self.span.low), layer_at(self.span.high));
-        let pieces = (last - first).abs() as usize;
+        let first = self.layer_at(self.span.low, count);
+        let last = self.layer_at(self.span.high, count);
         // The edge where the ray leaves the first slab, and the way from one to the next.
-        let way = 1.0 / (slope.abs() * count);
         let edge = if slope > 0.0 { first + 1.0 } else { first };
-        let leaves = (edge / count - 0.5) / slope;
-        let mut low = self.span.low;
-        for piece in 0..=pieces {
-            let high = if piece == pieces {
-                self.span.high
-            } else {
-                self.span.high.min(leaves + piece as f32 * way)
-            };
-            if low < high {
-                visit(self.slab(Span { low, high }));
-                low = high;
-            }
+        Slabs {
+            low: self.span.low,
+            high: self.span.high,
+            leaves: (edge / count - 0.5) / slope,
+            way: 1.0 / (slope.abs() * count),
+            left: (last - first).abs() as usize + 1,
         }
     }
 
+    #[inline(always)]
+    fn layer_at(&self, tau: f32, count: f32) -> f32 {
+        ((self.slopes.w * tau + 0.5) * count)
+            .floor()
+            .clamp(0.0, count - 1.0)
+    }
+
     /// Optical depth of the crossing.
-    #[inline]
+    #[inline(always)]
     pub fn optical_depth(&self, yarn: &Yarn<'_>, layers: usize, counters: &mut Counters) -> f32 {
         let mut sum = 0.0;
-        self.for_each_slab(layers, |slab| {
+        for part in self.slabs(layers) {
             counters.volume_samples += 1;
-            let [u, v, w] = slab.place;
-            sum += yarn.rho(u, v, w) * slab.length;
-        });
+            let [u, v, w] = self.place(part.middle());
+            sum += yarn.rho(u, v, w) * part.length();
+        }
         sum * yarn.density
     }
 
     /// The mean over its slabs, weighted by what each takes from the ray.
+    #[inline(always)]
     pub fn mean_point(&self, yarn: &Yarn<'_>, layers: usize) -> MeanPoint {
         let (mut transmittance, mut weight, mut tau, mut shade) = (1.0, 0.0, 0.0, 0.0);
-        self.for_each_slab(layers, |slab| {
-            let [u, v, w] = slab.place;
-            let left = transmittance * (-yarn.density * yarn.rho(u, v, w) * slab.length).exp();
+        for part in self.slabs(layers) {
+            let place = self.place(part.middle());
+            let [u, v, w] = place;
+            let left = transmittance * (-yarn.density * yarn.rho(u, v, w) * part.length()).exp();
             let taken = transmittance - left;
             if taken > 0.0 {
                 weight += taken;
-                tau += taken * slab.tau;
-                shade += taken * yarn.shade(slab.place);
+                tau += taken * part.middle();
+                shade += taken * yarn.shade(place);
                 transmittance = left;
             }
-        });
+        }
         if weight <= 0.0 {
             // So thin that f32 sees no difference: its middle.
             (weight, tau) = (1.0, self.span.middle());
@@ -210,5 +202,40 @@ impl Crossing {
             place: self.place(tau),
             shade: shade / weight,
         }
+    }
+}
+
+/// Iterator over the pieces of a crossing.
+struct Slabs {
+    low: f32,
+    high: f32,
+    leaves: f32,
+    way: f32,
+    left: usize,
+}
+
+impl Iterator for Slabs {
+    type Item = Span;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<Span> {
+        while self.left > 0 {
+            self.left -= 1;
+            let high = if self.left == 0 {
+                self.high
+            } else {
+                self.high.min(self.leaves)
+            };
+            let part = Span {
+                low: self.low,
+                high,
+            };
+            self.leaves += self.way;
+            if !part.is_empty() {
+                self.low = high;
+                return Some(part);
+            }
+        }
+        None
     }
 }

@@ -22,7 +22,7 @@ pub(super) struct FrameRay {
 }
 
 impl FrameRay {
-    #[inline]
+    #[inline(always)]
     pub fn new(patch: &Patch, thickness: f32, direction: Vec3A) -> Self {
         let product = patch.along_u.cross(patch.along_v);
         let per_area = 1.0 / product.length_squared().max(1e-30);
@@ -42,7 +42,7 @@ impl FrameRay {
 
     /// The part of `span` outside of which the ray is certainly not in the frame: there |u′|, |v′| and |w| stay within ½,
     /// and with them p, q and the height.
-    #[inline]
+    #[inline(always)]
     pub fn clip(&self, span: Span) -> Span {
         let [u_bound, v_bound] = self.skew.map(|skew| 0.5 + 0.25 * skew.abs());
         let height_bound = 0.5 * self.thickness + 0.25 * self.lift.abs();
@@ -54,7 +54,7 @@ impl FrameRay {
     /// (u, v, w) at `t`, if that is in the frame: u and v in [0, 1], w in [−½, ½]. Exact for convex frames.
     ///
     /// From p and q: βu′² + (1 + αq − βp)u′ − p = 0, of which the root that vanishes with p.
-    #[inline]
+    #[inline(always)]
     pub fn inside(&self, t: f32) -> Option<[f32; 3]> {
         let at = |[start, slope]: [f32; 2]| start + slope * t;
         let (p, q, height) = (at(self.p), at(self.q), at(self.height));

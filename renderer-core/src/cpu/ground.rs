@@ -3,8 +3,8 @@
 //! Space: relative to a cell's centre, mm. Yarns lie in a thin layer about the sheet, so a ray looks at the few cells that
 //! it passes inside that layer, and at nothing where it stays above or below.
 //!
-//! - `winding`: the round tube x² + (z − H·s(y))² = R², x across and y along the yarn, met from outside by steps that the
-//!   distance to the tube allows. Over its own cell a yarn stays on one side of the sheet: its heights there bound the ray first.
+//! - `winding`: the round tube x² + (z − H·s(y))² = R², x across and y along the yarn, met from outside by steps that cannot
+//!   pass it. Over its own cell a yarn stays on one side of the sheet: its heights there bound the ray first.
 //! - `paper`: the thin height field z = A·s of equations 1 and 2, by fixed steps over the yarn's strip.
 
 use std::f32::consts::PI;
@@ -21,8 +21,8 @@ use crate::scene::{SheetGeometry, Skeleton};
 const PRECISION_MM: f32 = 2e-7;
 /// Steps over a strip of the paper's height field.
 const PAPER_STEPS: u32 = 16;
-/// Smallest step towards a tube, in its radii: a chord shorter than this may be missed.
-const SMALLEST_STEP: f32 = 1.0 / 64.0;
+/// Steps towards a tube; five are common. A ray that needs more runs along it and has not come to it.
+const MOST_STEPS: u32 = 64;
 /// Bounds of a tube are this much too wide: where they only just touch it, rounding would put their edge inside.
 const ROOMY: f32 = 1.001;
 
@@ -47,12 +47,13 @@ pub(super) struct Ground {
     crimp: f32,
     form: SkeletonHeight,
     repeat: [i64; 2],
-    warp_over: Vec<bool>,
+    /// For each cell of the repeat, row by row, s of its warp and of its weft at the crossing before, here, and after.
+    over: Vec<[[f32; 3]; 2]>,
     /// Warps and wefts of the sheet.
     cells: [i64; 2],
     /// How many places away a yarn can stand and still reach into a cell.
     reach: [i64; 2],
-    /// Greatest height of any yarn above or below the sheet, mm.
+    /// Greatest height of any yarn above or below the sheet, and a little more, mm.
     pub height: f64,
 }
 
@@ -93,34 +94,37 @@ impl Ground {
             crimp: skeleton.crimp_mm,
             form: skeleton.height,
             repeat: skeleton.repeat.map(i64::from),
-            warp_over: skeleton.warp_over.clone(),
+            over: over_and_under(skeleton),
             cells: [sheet.warps, sheet.wefts].map(i64::from),
             // Yarns k places away reach into the cell while k·pitch − radius < ½ pitch.
             reach: [0, 1].map(|set| (radius[set] / pitch[set] - 0.5).ceil().max(0.0) as i64),
-            height: f64::from(height),
+            height: f64::from(height * ROOMY),
         }
     }
 
-    /// The nearest meeting of a ray with a yarn in its part from `from` to `to`, mm along it.
-    pub fn hit(&self, grid: &Grid, ray: &Ray, from: f64, to: f64) -> Option<GroundHit> {
-        let height = self.height * f64::from(ROOMY);
-        let part = grid.clip_heights(ray, from, to, [-height, height]);
+    /// The nearest meeting of a ray with a yarn in a part of it within [`Self::height`] of the sheet, mm along it.
+    pub fn hit(&self, grid: &Grid, ray: &Ray, part: [f64; 2]) -> Option<GroundHit> {
         let direction = ray.direction.as_vec3a();
-        grid.cells(ray, part)
-            .filter(|span| (0..2).all(|axis| (0..self.cells[axis]).contains(&span.square[axis])))
-            .find_map(|span| {
-                let point = (ray.at(span.enter) - grid.cell_centre(span.square)).as_vec3a();
-                let length = (span.leave - span.enter) as f32;
-                let hit = self.nearest(span.square, point, direction, length)?;
-                Some(GroundHit {
+        for span in grid.cells(ray, part) {
+            let [i, j] = span.square;
+            if i < 0 || j < 0 || i >= self.cells[0] || j >= self.cells[1] {
+                continue;
+            }
+            let point = (ray.at(span.enter) - grid.cell_centre(span.square)).as_vec3a();
+            let length = (span.leave - span.enter) as f32;
+            if let Some(hit) = self.nearest(span.square, point, direction, length) {
+                return Some(GroundHit {
                     t: span.enter + f64::from(hit.t),
                     normal: hit.normal.as_dvec3(),
                     along: hit.along.as_dvec3(),
-                })
-            })
+                });
+            }
+        }
+        None
     }
 
     /// The nearest meeting in a cell of a ray that is at `point` where it enters, and leaves after `length`.
+    #[inline(always)]
     fn nearest(
         &self,
         cell: [i64; 2],
@@ -130,8 +134,12 @@ impl Ground {
     ) -> Option<Local> {
         let mut nearest: Option<Local> = None;
         for set in 0..2 {
-            for offset in -self.reach[set]..=self.reach[set] {
-                if !(0..self.cells[set]).contains(&(cell[set] + offset)) {
+            // Not an inclusive range: those cost a flag in each round.
+            let mut offset = -self.reach[set] - 1;
+            while offset < self.reach[set] {
+                offset += 1;
+                let place = cell[set] + offset;
+                if offset != 0 && (place < 0 || place >= self.cells[set]) {
                     continue;
                 }
                 let yarn = self.yarn(set, cell, offset);
@@ -145,8 +153,9 @@ impl Ground {
                 }
                 let hit = match self.form {
                     SkeletonHeight::Winding => {
-                        if yarn.distance(point + direction * part.low) <= 0.0 {
-                            Some(self.cut_end(point + direction * part.low, part.low))
+                        let start = point + direction * part.low;
+                        if yarn.is_inside(start) {
+                            Some(self.cut_end(start, part.low))
                         } else {
                             yarn.hit_tube(point, direction, part)
                         }
@@ -161,6 +170,7 @@ impl Ground {
 
     /// A yarn met where it is cut, at the sheet's border: the only place where a ray can come to be inside one. (A ray that
     /// starts inside meets the yarn there, too, and goes nowhere.)
+    #[inline(always)]
     fn cut_end(&self, point: Vec3A, t: f32) -> Local {
         let normal = if point.x.abs() * self.pitch[1] > point.y.abs() * self.pitch[0] {
             Vec3A::X * point.x.signum()
@@ -174,36 +184,48 @@ impl Ground {
         }
     }
 
-    /// +1 where the warp lies over the weft at crossing (i, j), else −1; the pattern repeats beyond the sheet.
-    fn over(&self, i: i64, j: i64) -> f32 {
-        let [columns, rows] = self.repeat;
-        let index = j.rem_euclid(rows) * columns + i.rem_euclid(columns);
-        if self.warp_over[index as usize] {
-            1.0
-        } else {
-            -1.0
-        }
-    }
-
     /// The yarn `offset` places beside the one through the centre of `cell`; set 0 is the warps.
-    fn yarn(&self, set: usize, [i, j]: [i64; 2], offset: i64) -> Yarn {
-        let over = [-1, 0, 1].map(|step| match set {
-            0 => self.over(i + offset, j + step),
-            _ => -self.over(i + step, j + offset),
-        });
+    #[inline(always)]
+    fn yarn(&self, set: usize, mut cell: [i64; 2], offset: i64) -> Yarn {
+        cell[set] += offset;
+        let [columns, rows] = self.repeat;
+        let index = cell[1].rem_euclid(rows) * columns + cell[0].rem_euclid(columns);
         Yarn {
             across: set,
             centre: offset as f32 * self.pitch[set],
             radius: self.radius[set],
             crimp: self.crimp,
             wave_number: PI / self.pitch[1 - set],
-            over,
+            over: self.over[index as usize][set],
         }
     }
 }
 
+/// For each cell of the repeat s of its warp and of its weft, +1 over and −1 under, at the crossing before, here, and after.
+fn over_and_under(skeleton: &Skeleton) -> Vec<[[f32; 3]; 2]> {
+    let [columns, rows] = skeleton.repeat.map(|cells| cells as usize);
+    let warp = |i: usize, j: usize| {
+        if skeleton.warp_over[j % rows * columns + i % columns] {
+            1.0
+        } else {
+            -1.0
+        }
+    };
+    (0..columns * rows)
+        .map(|index| {
+            let (i, j) = (index % columns, index / columns);
+            let steps = |count: usize| [count - 1, 0, 1];
+            [
+                steps(rows).map(|step| warp(i, j + step)),
+                steps(columns).map(|step| -warp(i + step, j)),
+            ]
+        })
+        .collect()
+}
+
 impl Yarn {
     /// The part of `span` in which the ray is over or under the yarn's strip and within its heights in this cell.
+    #[inline(always)]
     fn clip(&self, form: SkeletonHeight, point: Vec3A, direction: Vec3A, span: Span) -> Span {
         let room = match form {
             SkeletonHeight::Winding => ROOMY,
@@ -226,16 +248,23 @@ impl Yarn {
             -reach,
             reach,
         )
-        .clip(point.z, direction.z, low * room - reach, high * room + reach)
+        .clip(
+            point.z,
+            direction.z,
+            low * room - reach,
+            high * room + reach,
+        )
     }
 
     /// A point's place across from the centre line, along from the cell's centre, and its height.
+    #[inline(always)]
     fn place(&self, point: Vec3A) -> (f32, f32, f32) {
         let (across, along) = self.axes(point);
         (across - self.centre, along, point.z)
     }
 
     /// A vector's components across the yarn and along it.
+    #[inline(always)]
     fn axes(&self, v: Vec3A) -> (f32, f32) {
         match self.across {
             0 => (v.x, v.y),
@@ -244,67 +273,75 @@ impl Yarn {
     }
 
     /// s at a place within half a pitch of the cell's crossing.
+    #[inline(always)]
     fn wave(&self, along: f32) -> f32 {
+        self.wave_and_slope(along).0
+    }
+
+    /// s and ds/d`along`.
+    #[inline(always)]
+    fn wave_and_slope(&self, along: f32) -> (f32, f32) {
         let [before, here, after] = self.over;
         let other = if along < 0.0 { before } else { after };
         if other == here {
-            here
-        } else {
-            // s = ½(s_j + s_k) + ½(s_j − s_k)·cos(π·distance/pitch), whose first term is 0 for s_k = −s_j.
-            here * cosine(self.wave_number * along)
+            return (here, 0.0);
         }
+        // s = ½(s_j + s_k) + ½(s_j − s_k)·cos(π·distance/pitch), whose first term is 0 for s_k = −s_j.
+        let (sine, cosine) = sine_and_cosine(self.wave_number * along);
+        (here * cosine, -here * self.wave_number * sine)
     }
 
-    /// ds/d`along`.
-    fn slope(&self, along: f32) -> f32 {
-        let [before, here, after] = self.over;
-        let other = if along < 0.0 { before } else { after };
-        if other == here {
-            0.0
-        } else {
-            -here * self.wave_number * (self.wave_number * along).sin()
-        }
-    }
-
-    /// Distance from the tube's axis, in the plane across the yarn, less its radius; negative inside.
-    fn distance(&self, point: Vec3A) -> f32 {
+    /// Whether a point is in the tube.
+    #[inline(always)]
+    fn is_inside(&self, point: Vec3A) -> bool {
         let (across, along, z) = self.place(point);
         let above = z - self.crimp * self.wave(along);
-        (across * across + above * above).sqrt() - self.radius
+        across * across + above * above <= self.radius * self.radius
     }
 
+    /// The first crossing with the tube of a ray that is outside it at the beginning of `part`.
+    ///
+    /// With a = z − H·s(y), the tube is where g(t) = x² + a² − R² vanishes. Since g″ = 2(x′² + a′² − a·H·s″·y′²) is nowhere below
+    /// −M, M = 2(2H + R)·H·k²·y′², g stays above g + g′δ − ½Mδ² over a step δ: the step to where that vanishes never passes the
+    /// first crossing, and where the tube bends little it is Newton's.
+    #[inline(always)]
     fn hit_tube(&self, point: Vec3A, direction: Vec3A, part: Span) -> Option<Local> {
-        let distance = |t: f32| self.distance(point + direction * t);
-        let steepest = if self.over == [self.over[1]; 3] {
-            0.0
-        } else {
-            self.crimp * self.wave_number
-        };
-        // The distance's gradient is (x, above − H·s′)/√(x² + above²): along the ray it grows at most this fast.
-        let (across, along) = self.axes(direction);
-        let up = direction.z.abs() + steepest * along.abs();
-        let shrink = 1.0 / (across * across + up * up).sqrt();
-        let smallest = SMALLEST_STEP * self.radius;
+        let (x_slope, y_slope) = self.axes(direction);
+        let (x_start, y_start) = self.axes(point);
+        let crimp = self.crimp.abs();
+        let bend =
+            2.0 * (2.0 * crimp + self.radius) * crimp * (self.wave_number * y_slope).powi(2) + 1e-6;
         let mut t = part.low;
-        let mut gap = distance(t);
-        while gap > 0.0 {
-            let before = (t, gap);
-            if t >= part.high {
+        for _ in 0..MOST_STEPS {
+            let x = x_start - self.centre + x_slope * t;
+            let (s, s_slope) = self.wave_and_slope(y_start + y_slope * t);
+            let above = point.z + direction.z * t - self.crimp * s;
+            let rise = self.crimp * s_slope;
+            let gap = x * x + above * above - self.radius * self.radius;
+            let gap_slope = 2.0 * (x * x_slope + above * (direction.z - rise * y_slope));
+            let step = if gap > 0.0 {
+                let root = (gap_slope * gap_slope + 2.0 * bend * gap).sqrt();
+                // The same number, without cancellation.
+                if gap_slope < 0.0 {
+                    2.0 * gap / (root - gap_slope)
+                } else {
+                    (gap_slope + root) / bend
+                }
+            } else {
+                0.0
+            };
+            if step < PRECISION_MM {
+                return Some(self.local(direction, t, [x, -rise * above, above], rise));
+            }
+            t += step;
+            if t > part.high {
                 return None;
             }
-            t = (t + (gap * shrink).max(smallest)).min(part.high);
-            gap = distance(t);
-            if gap <= 0.0 {
-                t = crossing(before, (t, gap), distance);
-                break;
-            }
         }
-        let (across, along, z) = self.place(point + direction * t);
-        let slope = self.crimp * self.slope(along);
-        let above = z - self.crimp * self.wave(along);
-        Some(self.local(direction, t, [across, -slope * above, above], slope))
+        None
     }
 
+    #[inline(always)]
     fn hit_height_field(&self, point: Vec3A, direction: Vec3A, part: Span) -> Option<Local> {
         // Height of the point over the paper's height field A·s.
         let above = |t: f32| {
@@ -322,13 +359,14 @@ impl Yarn {
         let t = crossing(ends[0], ends[1], signed);
         let (across, along, _) = self.place(point + direction * t);
         let squared = (self.radius.powi(2) - across.powi(2)).max(0.0);
-        let slope = self.slope(along);
+        let (s, slope) = self.wave_and_slope(along);
         // The gradient of z − A·s, times A to stay finite at the strip's edge.
-        let normal = [across * self.wave(along), -squared * slope, squared.sqrt()];
+        let normal = [across * s, -squared * slope, squared.sqrt()];
         Some(self.local(direction, t, normal, squared.sqrt() * slope))
     }
 
     /// A hit with a normal given across the yarn, along it, and up, where the surface rises by `rise` along the yarn.
+    #[inline(always)]
     fn local(&self, direction: Vec3A, t: f32, [across, along, up]: [f32; 3], rise: f32) -> Local {
         let turned = |across: f32, along: f32, up: f32| match self.across {
             0 => Vec3A::new(across, along, up),
@@ -347,15 +385,25 @@ impl Yarn {
     }
 }
 
-/// cos x for |x| ≤ ½π or a little more, to 5·10⁻⁷: its series up to x¹⁰.
-fn cosine(x: f32) -> f32 {
+/// sin x and cos x for |x| ≤ ½π or a little more, to 5·10⁻⁷: their series up to x¹¹ and x¹⁰.
+#[inline(always)]
+fn sine_and_cosine(x: f32) -> (f32, f32) {
     let y = x * x;
-    1.0 + y * (-0.5 + y * (1.0 / 24.0 + y * (-1.0 / 720.0 + y * (1.0 / 40_320.0 - y / 3_628_800.0))))
+    let cosine = 1.0
+        + y * (-0.5
+            + y * (1.0 / 24.0 + y * (-1.0 / 720.0 + y * (1.0 / 40_320.0 - y / 3_628_800.0))));
+    let sine = x
+        * (1.0
+            + y * (-1.0 / 6.0
+                + y * (1.0 / 120.0
+                    + y * (-1.0 / 5_040.0 + y * (1.0 / 362_880.0 - y / 39_916_800.0)))));
+    (sine, cosine)
 }
 
 /// The place where `f` falls through zero between a place where it is positive and one where it is not, on the positive side.
 ///
 /// False position in the Illinois variant: an end that stays twice counts half, so that both ends close in.
+#[inline(always)]
 fn crossing(
     (mut low, mut at_low): (f32, f32),
     (mut high, mut at_high): (f32, f32),

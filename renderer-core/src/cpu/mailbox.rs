@@ -11,6 +11,7 @@ pub(super) struct Mailbox {
 }
 
 impl Default for Mailbox {
+    #[inline(always)]
     fn default() -> Self {
         Self {
             slots: vec![[0; 2]; 128],
@@ -22,7 +23,7 @@ impl Default for Mailbox {
 
 impl Mailbox {
     /// Forgets everything, for another ray.
-    #[inline]
+    #[inline(always)]
     pub fn clear(&mut self) {
         self.count = 0;
         self.ray = self.ray.wrapping_add(1);
@@ -34,7 +35,7 @@ impl Mailbox {
     }
 
     /// Whether it holds `index`; if not, it does from now on.
-    #[inline]
+    #[inline(always)]
     pub fn has(&mut self, index: u32) -> bool {
         let mask = self.slots.len() - 1;
         let mut at = index as usize & mask;

@@ -12,12 +12,14 @@
 //! stored by fours. Everything that is left out has a name in [`crate::render::Skip`].
 
 mod backend;
+mod batch;
 mod block;
 mod cloth;
 mod composite;
 mod crossing;
 mod frame;
 mod ground;
+mod lanes;
 mod mailbox;
 mod patch;
 mod path;
@@ -25,6 +27,7 @@ mod tracked;
 mod vertex;
 mod volume;
 mod walk;
+mod wide;
 
 use crate::geometry::Ray;
 use crate::render::accumulation::Sample;
@@ -78,23 +81,55 @@ impl Tracer {
 
     /// Sample `number` of `pixel` of the whole picture.
     fn sample(&self, pixel: [u32; 2], number: u32, scratch: &mut Scratch) -> Sample {
-        path::PathTracer::new(self, pixel, number, scratch).sample()
+        wide::sample(self, pixel, number, scratch)
+    }
+
+    /// The same, in the instructions of whoever it is inlined into.
+    #[inline(always)]
+    fn sample_here(&self, pixel: [u32; 2], number: u32, scratch: &mut Scratch) -> Sample {
+        path::PathTracer::new(self, pixel, number, scratch).sample(pixel)
     }
 
     /// The part of a ray in the box around loops and ground.
     fn part_in_cloth(&self, ray: &Ray) -> [f64; 2] {
         let grid = &self.cloth.grid;
-        let ground = self.cloth.ground.as_ref().map_or(0.0, |ground| ground.height);
+        let ground = self
+            .cloth
+            .ground
+            .as_ref()
+            .map_or(0.0, |ground| ground.height);
         let [low, high] = grid.loop_heights;
         grid.clip_blocks(ray, [low.min(-ground), high.max(ground)])
     }
 
+    /// The part of a ray, out of `part`, in the layer that ground yarns are in; empty if there are none.
+    #[inline(always)]
+    fn ground_layer(&self, ray: &Ray, part: [f64; 2]) -> [f64; 2] {
+        match &self.cloth.ground {
+            Some(ground) => {
+                let heights = [-ground.height, ground.height];
+                self.cloth.grid.clip_heights(ray, part[0], part[1], heights)
+            }
+            None => [f64::INFINITY; 2],
+        }
+    }
+
+    /// Where a ray meets the ground in a part of it that is in the ground's layer.
+    #[inline(always)]
+    fn ground_hit(&self, ray: &Ray, part: [f64; 2]) -> Option<ground::GroundHit> {
+        let ground = self.cloth.ground.as_ref()?;
+        if part[0] < part[1] {
+            ground.hit(&self.cloth.grid, ray, part)
+        } else {
+            None
+        }
+    }
+
     /// Whether a shadow ray meets the ground. Rays that go down seldom get past it, and looking for it is cheap.
+    #[inline(always)]
     fn is_blocked_by_ground(&self, ray: &Ray, scratch: &mut Scratch) -> bool {
-        let Some(ground) = &self.cloth.ground else {
-            return false;
-        };
-        let blocked = ground.hit(&self.cloth.grid, ray, 0.0, f64::INFINITY).is_some();
+        let layer = self.ground_layer(ray, [0.0, f64::INFINITY]);
+        let blocked = self.ground_hit(ray, layer).is_some();
         scratch.counters.hidden_rays += u64::from(blocked);
         blocked
     }

@@ -38,10 +38,12 @@ pub(super) struct Roots {
 }
 
 impl Roots {
+    #[inline(always)]
     pub fn as_slice(&self) -> &[Root] {
         &self.roots[..self.count]
     }
 
+    #[inline(always)]
     fn push(&mut self, root: Root) {
         self.roots[self.count] = root;
         self.count += 1;
@@ -82,6 +84,7 @@ struct Seen {
 
 impl Seen {
     /// (r, t) at a known p, with p made better where that is needed; `None` where r is outside [−½, ½].
+    #[inline(always)]
     fn at(&self, p: f32) -> Option<[f32; 3]> {
         let ruling = self.along_r + self.twist * p;
         let start = self.middle + self.along_p * p;
@@ -102,12 +105,12 @@ impl Seen {
             }
         }
         let [p, r] = place;
-        let point =
-            self.middle + self.along_p * p + (self.along_r + self.twist * p) * r;
+        let point = self.middle + self.along_p * p + (self.along_r + self.twist * p) * r;
         Some([p, r, point.dot(self.direction)])
     }
 
     /// One step of Newton's method on the place where patch and ray meet, if it is small.
+    #[inline(always)]
     fn refined(&self, [p, r]: [f32; 2]) -> [f32; 2] {
         let tangent_p = self.along_p + self.twist * r;
         let tangent_r = self.along_r + self.twist * p;
@@ -126,7 +129,7 @@ impl Seen {
 
 impl Patch {
     /// All crossings with u and v in [0, 1] of the patch moved by `offset`.
-    #[inline]
+    #[inline(always)]
     pub fn roots(&self, direction: Vec3A, offset: Vec3A) -> Roots {
         let mut roots = Roots::default();
         let to_middle = self.middle + offset;
@@ -163,7 +166,16 @@ impl Patch {
             twist: self.twist,
             direction,
         };
-        let mut found = |p: f32| {
+        // p = c0/q and p = q/c2; each division is made only where its result lies in [−½, ½], so a vanishing leading
+        // coefficient leaves the linear root and no division by zero.
+        let first = q != 0.0 && c0.abs() <= 0.5 * q.abs();
+        let second = c2 != 0.0 && root > 0.0 && q.abs() <= 0.5 * c2.abs();
+        for which in 0..2 {
+            let p = match which {
+                0 if first => c0 / q,
+                1 if second => q / c2,
+                _ => continue,
+            };
             if let Some([p, r, t]) = seen.at(p) {
                 let (u, v) = if solve_u { (p, r) } else { (r, p) };
                 roots.push(Root {
@@ -172,25 +184,19 @@ impl Patch {
                     v: v + 0.5,
                 });
             }
-        };
-        // p = c0/q and p = q/c2; each division is made only where its result lies in [−½, ½], so a vanishing leading
-        // coefficient leaves the linear root and no division by zero.
-        if q != 0.0 && c0.abs() <= 0.5 * q.abs() {
-            found(c0 / q);
-        }
-        if c2 != 0.0 && root > 0.0 && q.abs() <= 0.5 * c2.abs() {
-            found(q / c2);
         }
         roots
     }
 
     /// n̂: unit normal. Compile drops loops for which it (nearly) vanishes.
+    #[inline(always)]
     pub fn normal(&self) -> Vec3A {
         let normal = self.along_u.cross(self.along_v);
         normal / normal.length_squared().max(1e-30).sqrt()
     }
 
     /// (u′, v′, w′) = J⁻¹·direction at (u, v), J = [∂P/∂u, ∂P/∂v, `thickness`·n̂]. |w′| is at least [`FLATTEST`].
+    #[inline(always)]
     pub fn slopes(&self, normal: Vec3A, thickness: f32, direction: Vec3A, root: &Root) -> Slopes {
         let along_u = self.along_u + self.twist * (root.v - 0.5);
         let along_v = self.along_v + self.twist * (root.u - 0.5);
@@ -216,20 +222,24 @@ pub(super) struct Span {
 }
 
 impl Span {
+    #[inline(always)]
     pub fn is_empty(self) -> bool {
         !(self.low < self.high)
     }
 
+    #[inline(always)]
     pub fn middle(self) -> f32 {
         0.5 * (self.low + self.high)
     }
 
+    #[inline(always)]
     pub fn length(self) -> f32 {
         self.high - self.low
     }
 
     /// The part in which `value` + `slope`·t lies within `low` and `high`. A slope below 10⁻⁹ moves less than f32 resolves
     /// over any interval inside a loop.
+    #[inline(always)]
     pub fn clip(self, value: f32, slope: f32, low: f32, high: f32) -> Self {
         let slope = if slope.abs() < 1e-9 { 1e-9 } else { slope };
         let inverse = 1.0 / slope;

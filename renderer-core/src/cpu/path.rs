@@ -25,7 +25,6 @@ const SURFACE_OFFSET_MM: f64 = 2e-5;
 pub(super) struct PathTracer<'a> {
     tracer: &'a Tracer,
     scratch: &'a mut Scratch,
-    pixel: [u32; 2],
     seed: u32,
     number: u32,
     /// Numbers for free paths.
@@ -39,100 +38,99 @@ struct Gather {
     bounce: u32,
     /// Its shadow rays are composited, not tracked.
     composited: bool,
+    /// The environment's light comes by a shadow ray.
+    sees_sky: bool,
     /// How many orders of bounced light are estimated here.
     orders: u32,
 }
 
 impl<'a> PathTracer<'a> {
-    pub fn new(
-        tracer: &'a Tracer,
-        pixel: [u32; 2],
-        number: u32,
-        scratch: &'a mut Scratch,
-    ) -> Self {
+    #[inline(always)]
+    pub fn new(tracer: &'a Tracer, pixel: [u32; 2], number: u32, scratch: &'a mut Scratch) -> Self {
         let seed = sampling::pixel_seed(tracer.settings.seed, pixel);
         Self {
             tracer,
             scratch,
-            pixel,
             seed,
             number,
             pcg: Pcg::new(seed, number),
         }
     }
 
+    #[inline(always)]
     fn random(&self, set: Set) -> [f64; 4] {
         let sampler = self.tracer.settings.sampler;
         sampling::sample(sampler, self.seed, self.number, set).map(f64::from)
     }
 
-    /// The radiance along the camera's ray, and what it met first.
-    pub fn sample(mut self) -> Sample {
+    /// The radiance along the camera's ray through `pixel`, and what it met first: the sum over all scatterings of a path.
+    #[inline(always)]
+    pub fn sample(mut self, pixel: [u32; 2]) -> Sample {
         let tracer = self.tracer;
-        let [x, y, pick, _] = self.random(Set::Film);
-        let [column, row] = self.pixel.map(f64::from);
-        let (origin, direction) =
-            (tracer.camera).ray(DVec2::new(column + x, row + y), tracer.size);
-        let ray = Ray { origin, direction };
-        let first = match tracer.settings.method {
-            Method::Tracked => tracer.collision(&ray, &mut self.pcg, self.scratch),
-            _ => tracer.first_event(&ray, 1.0 - pick, self.scratch),
-        };
-        let Some(first) = first else {
-            return Sample {
-                radiance: DVec3::from_array(tracer.cloth.scene.lights.background),
-                first: None,
-            };
-        };
-        Sample {
-            radiance: self.radiance_from(first, -ray.direction),
-            first: Some(FirstHit {
-                depth_mm: first.t,
-                normal: first.normal,
-                albedo: first.albedo,
-            }),
-        }
-    }
-
-    /// Radiance that leaves `vertex` towards `view`: the sum over all scatterings of a path from there.
-    fn radiance_from(&mut self, mut vertex: Vertex, mut view: DVec3) -> DVec3 {
-        let tracer = self.tracer;
+        let settings = &tracer.settings;
         let lights = &tracer.cloth.scene.lights;
-        let bounces = tracer.settings.bounces;
-        let closing_bounce = tracer.settings.closing_bounce();
+        let closing_bounce = settings.closing_bounce();
         let has_environment = lights.environment != [0.0; 3];
+        let [x, y, pick, _] = self.random(Set::Film);
+        let [column, row] = pixel.map(f64::from);
+        let (origin, direction) = tracer
+            .camera
+            .ray(DVec2::new(column + x, row + y), tracer.size);
+        let mut ray = Ray { origin, direction };
+        let mut first = None;
         let mut throughput = DVec3::ONE;
         let mut radiance = DVec3::ZERO;
-        for bounce in 1..=bounces {
+        // What arrives along the current ray if it meets no cloth.
+        let mut beyond = Some(DVec3::from_array(lights.background));
+        for bounce in 1..=settings.bounces + 1 {
             // Points found by compositing see their lights by compositing.
-            let composited = bounce == 1 && tracer.settings.method != Method::Tracked;
+            let composited = bounce == 1 && settings.method != Method::Tracked;
+            let found = if composited {
+                tracer.first_event(&ray, 1.0 - pick, self.scratch)
+            } else {
+                tracer.collision(&ray, &mut self.pcg, self.scratch)
+            };
+            let Some(vertex) = found else {
+                radiance += throughput * beyond.unwrap_or_default();
+                break;
+            };
+            if bounce == 1 {
+                first = Some(FirstHit {
+                    depth_mm: vertex.t,
+                    normal: vertex.normal,
+                    albedo: vertex.albedo,
+                });
+            }
+            if bounce > settings.bounces {
+                // The last ray only looked for the environment.
+                break;
+            }
+            let view = -ray.direction;
             let closing = closing_bounce == Some(bounce);
             let gather = Gather {
                 bounce,
                 composited,
-                orders: if closing { bounces - bounce } else { 0 },
+                sees_sky: has_environment && (composited || closing),
+                orders: if closing {
+                    settings.bounces - bounce
+                } else {
+                    0
+                },
             };
-            let mut light = self.sunlight(&vertex, view, gather);
-            if has_environment && (composited || closing) {
-                light += self.skylight(&vertex, view, gather);
-            }
-            radiance += throughput * vertex.albedo * light;
-            if closing {
+            radiance += throughput * vertex.albedo * self.light(&vertex, view, gather);
+            let follows_environment = has_environment && !composited;
+            if closing || bounce == settings.bounces && !follows_environment {
                 break;
             }
 
-            let gathers_environment = !composited && has_environment;
-            // Without shadows the environment's light needs no ray to find out whether it arrives.
-            let follows_environment = gathers_environment && tracer.settings.shadows;
-            if bounce == bounces && !gathers_environment {
-                break;
-            }
             let [u, v, survival, _] = self.random(Set::Onward { bounce });
             let (direction, weight) = tracer.cloth.optics.sample(vertex.lobe, view, [u, v]);
             throughput *= vertex.albedo * weight;
-            if gathers_environment && !follows_environment {
-                radiance += throughput * environment_radiance(lights, direction);
-                if bounce == bounces {
+            beyond = follows_environment.then(|| environment_radiance(lights, direction));
+            if !settings.shadows {
+                // Without shadows the environment's light needs no ray to find out whether it arrives.
+                radiance += throughput * beyond.take().unwrap_or_default();
+                if bounce == settings.bounces {
                     break;
                 }
             }
@@ -143,75 +141,66 @@ impl<'a> PathTracer<'a> {
                 }
                 throughput /= chance;
             }
-            let onward = vertex.leave(direction, SURFACE_OFFSET_MM);
-            match tracer.collision(&onward, &mut self.pcg, self.scratch) {
-                Some(next) => (vertex, view) = (next, -direction),
-                None => {
-                    if follows_environment {
-                        radiance += throughput * environment_radiance(lights, direction);
-                    }
-                    break;
-                }
-            }
+            ray = vertex.leave(direction, SURFACE_OFFSET_MM);
         }
-        radiance
+        Sample { radiance, first }
     }
 
-    /// Light of the suns scattered towards `view`, but for the albedo.
-    fn sunlight(&mut self, vertex: &Vertex, view: DVec3, gather: Gather) -> DVec3 {
+    /// Light scattered towards `view`, but for the albedo: of the suns, and of the environment if it is to be seen.
+    #[inline(always)]
+    fn light(&mut self, vertex: &Vertex, view: DVec3, gather: Gather) -> DVec3 {
         let tracer = self.tracer;
-        let mut light = DVec3::ZERO;
-        for (sun, number) in tracer.cloth.scene.lights.suns.iter().zip(0..) {
-            let set = Set::Sun {
-                bounce: gather.bounce,
-                sun: number,
+        let lights = &tracer.cloth.scene.lights;
+        let Gather {
+            bounce,
+            composited,
+            orders,
+            ..
+        } = gather;
+        let suns = lights.suns.len();
+        let mut sum = DVec3::ZERO;
+        // One place for all shadow rays, since everything they do is inlined.
+        for number in 0..suns + usize::from(gather.sees_sky) {
+            let sun = lights.suns.get(number);
+            // The light's radiance times the phase over the direction's density, and its mean over all directions.
+            let (direction, scattered, unhindered) = if let Some(sun) = sun {
+                let set = Set::Sun {
+                    bounce,
+                    sun: number as u32,
+                };
+                let [u, v, ..] = self.random(set);
+                let centre = DVec3::from_array(sun.direction);
+                let direction = directions::cone(centre, sun.angular_radius, u, v);
+                let irradiance = DVec3::from_array(sun.irradiance);
+                let value = tracer.cloth.optics.value(vertex.lobe, view, direction);
+                (
+                    direction,
+                    irradiance * value,
+                    irradiance * (0.25 * FRAC_1_PI),
+                )
+            } else {
+                let [u, v, ..] = self.random(Set::Environment { bounce });
+                let (direction, weight) = tracer.cloth.optics.sample(vertex.lobe, view, [u, v]);
+                let light = environment_radiance(lights, direction) * weight;
+                (direction, light, light)
             };
-            let [u, v, ..] = self.random(set);
-            let centre = DVec3::from_array(sun.direction);
-            let direction = directions::cone(centre, sun.angular_radius, u, v);
-            let value = tracer.cloth.optics.value(vertex.lobe, view, direction);
-            if value > 0.0 || gather.orders > 0 {
-                let visibility = self.visibility(&vertex.leave(direction, SURFACE_OFFSET_MM), gather.composited);
-                let by_bounces = by_bounces(vertex, direction, visibility, gather.orders);
-                let light_of_sun = by_bounces * (0.25 * FRAC_1_PI) + value * visibility;
-                light += DVec3::from_array(sun.irradiance) * light_of_sun;
+            if scattered == DVec3::ZERO && orders == 0 {
+                continue;
+            }
+            let ray = vertex.leave(direction, SURFACE_OFFSET_MM);
+            let visibility = if !tracer.settings.shadows {
+                1.0
+            } else if composited {
+                tracer.composited_visibility(&ray, self.scratch)
+            } else {
+                tracer.tracked_visibility(&ray, &mut self.pcg, self.scratch)
+            };
+            sum += scattered * visibility;
+            if orders > 0 {
+                let up = (direction.z * vertex.position.z.signum()).max(0.0);
+                sum += unhindered * bounced(visibility, up, vertex.albedo, orders);
             }
         }
-        light
+        sum
     }
-
-    /// Light of the environment scattered towards `view`, but for the albedo, by one shadow ray.
-    fn skylight(&mut self, vertex: &Vertex, view: DVec3, gather: Gather) -> DVec3 {
-        let tracer = self.tracer;
-        let [u, v, ..] = self.random(Set::Environment {
-            bounce: gather.bounce,
-        });
-        let (direction, weight) = tracer.cloth.optics.sample(vertex.lobe, view, [u, v]);
-        let visibility = self.visibility(&vertex.leave(direction, SURFACE_OFFSET_MM), gather.composited);
-        let by_bounces = by_bounces(vertex, direction, visibility, gather.orders);
-        environment_radiance(&tracer.cloth.scene.lights, direction)
-            * (by_bounces + visibility)
-            * weight
-    }
-
-    fn visibility(&mut self, ray: &Ray, composited: bool) -> f64 {
-        let tracer = self.tracer;
-        if !tracer.settings.shadows {
-            return 1.0;
-        }
-        if composited {
-            tracer.composited_visibility(ray, self.scratch)
-        } else {
-            tracer.tracked_visibility(ray, &mut self.pcg, self.scratch)
-        }
-    }
-}
-
-/// Mean radiance by `orders` further bounces of light from `direction`, per mean radiance that it would bring unhindered.
-fn by_bounces(vertex: &Vertex, direction: DVec3, visibility: f64, orders: u32) -> DVec3 {
-    if orders == 0 {
-        return DVec3::ZERO;
-    }
-    let up = (direction.z * vertex.position.z.signum()).max(0.0);
-    bounced(visibility, up, vertex.albedo, orders)
 }

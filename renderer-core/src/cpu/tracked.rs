@@ -7,7 +7,7 @@
 
 use std::ops::ControlFlow;
 
-use super::block::{Block, BlockRay, Listed};
+use super::block::{Block, BlockRay, Listed, LoopPart};
 use super::frame::FrameRay;
 use super::ground::GroundHit;
 use super::patch::Span;
@@ -53,6 +53,7 @@ struct Tentative {
 
 impl Tracer {
     /// Where a ray collides; `None` if it leaves the cloth.
+    #[inline(always)]
     pub fn collision(&self, ray: &Ray, pcg: &mut Pcg, scratch: &mut Scratch) -> Option<Vertex> {
         scratch.counters.rays += 1;
         let part = self.part_in_cloth(ray);
@@ -70,16 +71,21 @@ impl Tracer {
             };
             // Rounding may leave a rest behind the last.
             let overlaps = &scratch.overlaps;
-            vertex = overlaps.iter().find(passed).or(overlaps.last()).map(|overlap| {
-                let shade = self.cloth.yarn(overlap.index).shade(overlap.place);
-                self.loop_vertex(ray, overlap.index, tentative.t, overlap.place, shade)
-            });
+            vertex = overlaps
+                .iter()
+                .find(passed)
+                .or(overlaps.last())
+                .map(|overlap| {
+                    let shade = self.cloth.yarn(overlap.index).shade(overlap.place);
+                    self.loop_vertex(ray, overlap.index, tentative.t, overlap.place, shade)
+                });
             ControlFlow::Break(())
         });
         vertex.or_else(|| ground.map(|hit| self.ground_vertex(ray, &hit)))
     }
 
     /// Share of light that comes through along a shadow ray: random, with the right mean.
+    #[inline(always)]
     pub fn tracked_visibility(&self, ray: &Ray, pcg: &mut Pcg, scratch: &mut Scratch) -> f64 {
         scratch.counters.shadow_rays += 1;
         if self.is_blocked_by_ground(ray, scratch) {
@@ -106,7 +112,7 @@ impl Tracer {
 
     /// Calls `collide` at the tentative collisions of a ray, in order, until it breaks or the ray meets the ground (if it is
     /// to be looked for) or leaves the cloth; the ground's hit if it got there.
-    #[inline]
+    #[inline(always)]
     fn track(
         &self,
         ray: &Ray,
@@ -121,16 +127,16 @@ impl Tracer {
         let stretch = f64::from((STRETCH / cloth.densest.max(1e-6)).max(SHORTEST_STRETCH_MM));
         for mut span in cloth.grid.blocks(ray, part) {
             scratch.counters.cells += 1;
-            let ground = match &cloth.ground {
-                Some(ground) if finds_ground => {
-                    ground.hit(&cloth.grid, ray, span.enter, span.leave)
-                }
-                _ => None,
+            let ground = if finds_ground {
+                let layer = self.ground_layer(ray, [span.enter, span.leave]);
+                self.ground_hit(ray, layer)
+            } else {
+                None
             };
             let end = ground.map_or(span.leave, |hit| hit.t);
             let block = cloth.block(span.square);
             let heights = if self.skips_empty {
-                block.heights.map(f64::from)
+                block.heights().map(f64::from)
             } else {
                 cloth.grid.loop_heights
             };
@@ -167,7 +173,7 @@ impl Tracer {
     }
 
     /// The loops that a ray may meet in a stretch, each with where.
-    #[inline]
+    #[inline(always)]
     fn loops_along(
         &self,
         piece: &BlockRay,
@@ -194,16 +200,16 @@ impl Tracer {
                 });
             }
         };
-        if self.skips_empty {
-            block.met_by(piece).for_each(&mut look);
-        } else {
-            block.all().for_each(&mut look);
+        for listed in block.met_by(piece, LoopPart::Volume, false, self.skips_empty) {
+            look(listed);
         }
     }
 
     /// Calls `collide` at the tentative collisions in a stretch that begins at distance `start`.
-    #[expect(clippy::too_many_arguments, reason = "the state of a flight, taken apart for the borrow checker")]
-    #[inline]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "the state of a flight, taken apart for the borrow checker"
+    )]
     fn fly(
         &self,
         piece: &BlockRay,
@@ -220,8 +226,12 @@ impl Tracer {
             _ => MOST_OVERLAP * self.cloth.densest,
         };
         // Nothing is met before the first loop, nor behind the last.
-        let mut t = along.iter().fold(piece.length, |t, along| t.min(along.span.low));
-        let end = along.iter().fold(0.0_f32, |t, along| t.max(along.span.high));
+        let mut t = along
+            .iter()
+            .fold(piece.length, |t, along| t.min(along.span.low));
+        let end = along
+            .iter()
+            .fold(0.0_f32, |t, along| t.max(along.span.high));
         loop {
             let collision = t + *depth_left / majorant;
             if !(collision < end) {
@@ -244,7 +254,7 @@ impl Tracer {
     }
 
     /// σ at `t` of a stretch, and in `scratch` the loops that make it.
-    #[inline]
+    #[inline(always)]
     fn overlaps_at(&self, t: f32, along: &[Along], scratch: &mut Scratch) -> f32 {
         let Scratch {
             counters, overlaps, ..
@@ -276,7 +286,9 @@ impl Tracer {
         // Where yarns overlap too much they displace each other (MODEL.md §5).
         if sum_rho > MOST_OVERLAP {
             let crowding = MOST_OVERLAP / sum_rho;
-            overlaps.iter_mut().for_each(|overlap| overlap.sigma *= crowding);
+            overlaps
+                .iter_mut()
+                .for_each(|overlap| overlap.sigma *= crowding);
             sum_sigma *= crowding;
         }
         sum_sigma
@@ -284,6 +296,7 @@ impl Tracer {
 }
 
 /// A random optical depth with density e^−x.
+#[inline(always)]
 fn free_depth(pcg: &mut Pcg) -> f32 {
     -(-pcg.next_float()).ln_1p()
 }

@@ -2,25 +2,29 @@
 
 use glam::{DVec3, Vec3A};
 
+use super::Tracer;
 use super::composite::Event;
 use super::ground::GroundHit;
 use super::patch::Patch;
-use super::Tracer;
 use crate::design::{Phase, SkeletonShading};
 use crate::geometry::Ray;
 use crate::optics::{Lobe, Vertex};
 
 impl Tracer {
     /// The point at which an event scatters; the ray came to the cloth `start` mm from its origin.
+    #[inline(always)]
     pub(super) fn event_vertex(&self, ray: &Ray, event: &Event, start: f64) -> Vertex {
         let cloth = &self.cloth;
-        let mean = event.crossing.mean_point(&cloth.yarn(event.index), cloth.layers());
+        let mean = event
+            .crossing
+            .mean_point(&cloth.yarn(event.index), cloth.layers());
         // The crossing is told from the beginning of the block that found it.
         let t = start + f64::from(event.found_from) + f64::from(mean.t);
         self.loop_vertex(ray, event.index, t, mean.place, mean.shade)
     }
 
     /// The point of a loop at distance `t` of `ray` and at (u, v, w) inside the loop.
+    #[inline(always)]
     pub(super) fn loop_vertex(
         &self,
         ray: &Ray,
@@ -50,8 +54,9 @@ impl Tracer {
                 let slopes = cloth.yarn(index).slopes(place);
                 let [u, v, w] = jacobian(&patch, normal, self.cloth.thickness, place);
                 // J⁻ᵀ times the slopes.
-                let gradient = (v.cross(w) * slopes.x + w.cross(u) * slopes.y + u.cross(v) * slopes.z)
-                    / u.cross(v).dot(w);
+                let gradient =
+                    (v.cross(w) * slopes.x + w.cross(u) * slopes.y + u.cross(v) * slopes.z)
+                        / u.cross(v).dot(w);
                 Lobe::gradient(gradient, f64::from(cloth.thickness), material)
             }
         };
@@ -69,6 +74,7 @@ impl Tracer {
     }
 
     /// A point of the ground as a scatterer.
+    #[inline(always)]
     pub(super) fn ground_vertex(&self, ray: &Ray, hit: &GroundHit) -> Vertex {
         let skeleton = &self.cloth.scene.skeleton;
         Vertex {
@@ -92,6 +98,7 @@ impl Tracer {
 }
 
 /// ∂X/∂u, ∂X/∂v and ∂X/∂w.
+#[inline(always)]
 fn jacobian(patch: &Patch, normal: DVec3, thickness: f32, [u, v, _]: [f32; 3]) -> [DVec3; 3] {
     [
         (patch.along_u + patch.twist * (v - 0.5)).as_dvec3(),

@@ -62,7 +62,7 @@ impl VoxelTable {
     }
 
     /// The volume of a loop that looks like `look`.
-    #[inline]
+    #[inline(always)]
     pub fn yarn(&self, look: LoopLook) -> Yarn<'_> {
         let (first, density) = self.materials[usize::from(look.material)];
         Yarn {
@@ -84,7 +84,7 @@ impl VoxelTable {
 
 impl Yarn<'_> {
     /// ρ at (u, v, w), faded out towards the root.
-    #[inline]
+    #[inline(always)]
     pub fn rho(&self, u: f32, v: f32, w: f32) -> f32 {
         let table = self.table;
         let (last, layers) = ((table.side - 1) as f32, table.layers as f32);
@@ -117,7 +117,7 @@ impl Yarn<'_> {
     }
 
     /// Share of the density that a loop has at height `v` above its root.
-    #[inline]
+    #[inline(always)]
     fn fade(&self, v: f32) -> f32 {
         let blend = self.table.root_blend;
         if v >= blend {

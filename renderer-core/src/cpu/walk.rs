@@ -48,60 +48,66 @@ impl Grid {
     }
 
     /// World position of a cell's centre.
-    #[inline]
+    #[inline(always)]
     pub fn cell_centre(&self, [i, j]: [i64; 2]) -> DVec3 {
         let cell = DVec2::new(i as f64, j as f64);
         ((cell + 0.5 - self.half) * self.pitch).extend(0.0)
     }
 
-    /// The middle of a block and half its size, mm, from the centre of the block's first cell.
-    pub fn block_middle(&self) -> DVec2 {
-        self.pitch * (0.5 * (self.block_cells - 1) as f64)
+    /// Index of a block's header; the block is one of the grid's.
+    #[inline(always)]
+    pub fn header(&self, [x, y]: [i64; 2]) -> usize {
+        let [first, end] = self.blocks;
+        ((y - first[1]) * (end[0] - first[0]) + x - first[0]) as usize
     }
 
     /// Size of a cell, mm.
+    #[inline(always)]
     pub fn pitch(&self) -> DVec2 {
         self.pitch
     }
 
     /// The part of a ray from `from` to `to` between two heights.
-    #[inline]
+    #[inline(always)]
     pub fn clip_heights(&self, ray: &Ray, from: f64, to: f64, [low, high]: [f64; 2]) -> [f64; 2] {
         clip(ray.origin.z, ray.direction.z, [low, high], [from, to])
     }
 
     /// Where a ray is above blocks and between two heights.
+    #[inline(always)]
     pub fn clip_blocks(&self, ray: &Ray, heights: [f64; 2]) -> [f64; 2] {
         let mut part = self.clip_heights(ray, 0.0, f64::INFINITY, heights);
         for axis in 0..2 {
-            let edges = self.blocks.map(|block| self.edge(axis, block[axis], self.block_cells));
+            let edges = self
+                .blocks
+                .map(|block| self.edge(axis, block[axis], self.block_cells));
             part = clip(ray.origin[axis], ray.direction[axis], edges, part);
         }
         part
     }
 
     /// The blocks along the part of a ray from `from` to `to`, which lies within them.
-    #[inline]
+    #[inline(always)]
     pub fn blocks(&self, ray: &Ray, part: [f64; 2]) -> Walk<'_> {
         Walk::new(self, ray, part, self.block_cells, self.blocks)
     }
 
     /// The cells along the part of a ray from `from` to `to`, also beyond the sheet.
-    #[inline]
+    #[inline(always)]
     pub fn cells(&self, ray: &Ray, part: [f64; 2]) -> Walk<'_> {
         const ANY: [[i64; 2]; 2] = [[-1 << 40; 2], [1 << 40; 2]];
         Walk::new(self, ray, part, 1, ANY)
     }
 
     /// Place of the low edge of square `number`, `side` cells wide, mm.
-    #[inline]
+    #[inline(always)]
     fn edge(&self, axis: usize, number: i64, side: i64) -> f64 {
         ((number * side) as f64 - self.half[axis]) * self.pitch[axis]
     }
 }
 
 /// The part of `part` in which `value` + `slope`·t lies within `low` and `high`.
-#[inline]
+#[inline(always)]
 fn clip(value: f64, slope: f64, [low, high]: [f64; 2], part: [f64; 2]) -> [f64; 2] {
     if slope == 0.0 {
         return if low <= value && value <= high {
@@ -134,6 +140,7 @@ pub(super) struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
+    #[inline(always)]
     fn new(
         grid: &'a Grid,
         ray: &Ray,
@@ -169,7 +176,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Where the ray leaves the current square along `axis`.
-    #[inline]
+    #[inline(always)]
     fn crossing(&self, axis: usize) -> f64 {
         // A ray across the axis never does.
         if self.inverse[axis].is_infinite() {
@@ -183,7 +190,7 @@ impl<'a> Walk<'a> {
 impl Iterator for Walk<'_> {
     type Item = SquareSpan;
 
-    #[inline]
+    #[inline(always)]
     fn next(&mut self) -> Option<SquareSpan> {
         while self.t < self.end {
             let axis = usize::from(self.next[1] < self.next[0]);

@@ -168,8 +168,7 @@ impl Accumulation {
 fn ray_tiles(request: &RenderRequest, [across, down]: [u32; 2]) -> Vec<RayTile> {
     let scene = &request.scene;
     let z_range = z_range_mm(scene);
-    let [margin_x, margin_y] = scene.loops.margin.map(f64::from);
-    let margin_mm = (margin_x * scene.sheet.pitch_x_mm).max(margin_y * scene.sheet.pitch_y_mm);
+    let margin_mm = scene.loops.beyond_sheet_mm(&scene.sheet);
     let [x, y, _, _] = request.crop.map(f64::from);
     let side = f64::from(TILE);
     (0..across * down)

@@ -3,10 +3,11 @@
 
 use super::layered::LayerCrossing;
 use super::single::Crossing;
-use super::{CellSpan, LoopPlace, Scratch, SkeletonHit, Tracer};
+use super::walk::LoopPart;
+use super::{LoopPlace, Scratch, SkeletonHit, Span, Tracer};
 use crate::design::Method;
-use crate::optics::{Vertex};
-use crate::geometry::Ray;
+use crate::geometry::{Interval, Ray};
+use crate::optics::Vertex;
 use crate::render::Counters;
 
 /// Transmittance of a shadow ray below which it counts as dark: invisible in 8 bits, several loops earlier than 0.
@@ -40,7 +41,7 @@ impl Tracer {
         for span in self.grid.walk(ray) {
             scratch.counters.cells += 1;
             scratch.events.clear();
-            // Step 5: the skeleton is opaque. Loops of the far side are met in cells behind its gaps.
+            // Step 5: the skeleton is opaque. Loops of the far side are met in blocks behind its gaps.
             if let Some(hit) = self.skeleton_hit(ray, &span) {
                 scratch.events.push(Event {
                     t: hit.t,
@@ -51,7 +52,7 @@ impl Tracer {
             let Scratch {
                 events, counters, ..
             } = scratch;
-            // Step 3: all loops crossed in this cell.
+            // Step 3: all loops crossed in this block.
             self.for_each_event(ray, &span, counters, |event| events.push(event));
             events.sort_by(|a, b| a.t.total_cmp(&b.t));
             for event in events.iter() {
@@ -88,12 +89,18 @@ impl Tracer {
     fn for_each_event(
         &self,
         ray: &Ray,
-        span: &CellSpan,
+        span: &Span,
         counters: &mut Counters,
         mut found: impl FnMut(Event),
     ) {
         let layers = self.scene.volumes.layers;
-        for place in self.loops_in(span.cell).within(span.heights(ray)) {
+        let part = match self.settings.method {
+            Method::Single => LoopPart::Patch,
+            _ => LoopPart::Volume,
+        };
+        let within = Interval::new(span.enter, span.leave);
+        let pieces = self.grid.pieces(ray, within, span.index, part);
+        for place in self.loops_in(span.index).along(pieces) {
             let ray = ray.relative_to(self.cell_origin(place.cell));
             let mut event = |t: f64, depth: f64, what: EventKind, counters: &mut Counters| {
                 if depth > 0.0 {

@@ -3,11 +3,11 @@
 use glam::DVec3;
 
 use super::volume::LoopVolume;
-use super::walk::{CellLoops, CellSpan, LoopPlace};
+use super::walk::{BlockLoops, LoopPlace, Span};
 use super::{SkeletonHit, Tracer};
 use crate::design::{Phase, SkeletonShading};
+use crate::geometry::{Interval, LoopFrame, Ray};
 use crate::optics::{Lobe, Vertex};
-use crate::geometry::{LoopFrame, Ray};
 
 impl Tracer {
     /// World position of the origin of coordinates of a loop planted in `cell`.
@@ -16,15 +16,20 @@ impl Tracer {
         DVec3::new(x, y, 0.0)
     }
 
-    /// The skeleton in one cell.
-    pub(super) fn skeleton_hit(&self, ray: &Ray, span: &CellSpan) -> Option<SkeletonHit> {
+    /// The skeleton in one block.
+    pub(super) fn skeleton_hit(&self, ray: &Ray, block: &Span) -> Option<SkeletonHit> {
         let yarns = self.yarns.as_ref()?;
-        yarns.hit(&self.grid, ray, span, self.cell_origin(span.cell))
+        let height = yarns.height();
+        if !block.heights(ray).overlaps(Interval::new(-height, height)) {
+            return None;
+        }
+        let mut cells = self.grid.walk_cells(ray, block);
+        cells.find_map(|span| yarns.hit(&self.grid, ray, &span, self.cell_origin(span.index)))
     }
 
-    /// The loops listed in a cell.
-    pub(super) fn loops_in(&self, cell: [i64; 2]) -> CellLoops<'_> {
-        CellLoops::new(&self.scene.sheet, &self.scene.loops, cell)
+    /// The loops listed in a block.
+    pub(super) fn loops_in(&self, block: [i64; 2]) -> BlockLoops<'_> {
+        BlockLoops::new(&self.scene.loops, block)
     }
 
     /// A loop's frame, relative to its own cell.

@@ -1,17 +1,18 @@
 //! Marching along a ray through the summed densities, for `exact` and `six-face`: which piece of a camera ray scatters, and
 //! what a shadow ray lets through (MODEL.md §8 and §9; the paper's figure 8, step by step).
 //!
-//! In each cell the method says which parts of the ray are inside loops and where the ray must be cut; between two cuts
+//! In each block the method says which parts of the ray are inside loops and where the ray must be cut; between two cuts
 //! it is cut further into equal pieces of at most `quality.step`. A piece is uniform: all that it holds, σ, the shares of
 //! the loops in it, shade and fibres, comes from its middle, and it lets exp(−σ·length) through.
 
 use std::ops::ControlFlow;
 
 use super::tracked::{Overlap, chosen, crowded};
-use super::{CellSpan, LoopPlace, Scratch, SkeletonHit, Tracer};
+use super::walk::LoopPart;
+use super::{LoopPlace, Scratch, SkeletonHit, Span, Tracer};
 use crate::design::Method;
-use crate::optics::{Vertex};
 use crate::geometry::{Interval, Ray};
+use crate::optics::Vertex;
 
 /// Transmittance of a shadow ray below which it counts as dark, as for `single` and `layered`.
 const DARK: f64 = 1e-4;
@@ -23,7 +24,7 @@ pub(super) struct Inside {
     pub part: Interval,
 }
 
-/// What a ray meets in a cell.
+/// What a ray meets in a block.
 #[derive(Debug, Default)]
 pub(super) struct Met {
     /// Its parts in loops.
@@ -104,7 +105,7 @@ impl Tracer {
             }
             let mut met = std::mem::take(&mut scratch.met);
             self.meet(ray, &span, &mut met, scratch);
-            let broke = self.march_cell(ray, &met, scratch, &mut visit);
+            let broke = self.march_block(ray, &met, scratch, &mut visit);
             scratch.met = met;
             if broke.is_break() {
                 return None;
@@ -116,12 +117,13 @@ impl Tracer {
         None
     }
 
-    /// Finds what a ray meets in its part `span` of a cell.
-    fn meet(&self, ray: &Ray, span: &CellSpan, met: &mut Met, scratch: &mut Scratch) {
+    /// Finds what a ray meets in its part `span` of a block.
+    fn meet(&self, ray: &Ray, span: &Span, met: &mut Met, scratch: &mut Scratch) {
         met.inside.clear();
         met.cuts.clear();
         let part = Interval::new(span.enter, span.leave);
-        for place in self.loops_in(span.cell).within(span.heights(ray)) {
+        let pieces = self.grid.pieces(ray, part, span.index, LoopPart::Volume);
+        for place in self.loops_in(span.index).along(pieces) {
             let ray = ray.relative_to(self.cell_origin(place.cell));
             if self.settings.method == Method::SixFace {
                 self.meet_faces(&ray, part, place, met, &mut scratch.counters);
@@ -132,7 +134,7 @@ impl Tracer {
         met.cuts.sort_by(f64::total_cmp);
     }
 
-    fn march_cell(
+    fn march_block(
         &self,
         ray: &Ray,
         met: &Met,

@@ -10,8 +10,8 @@
 //!   walk (`walk`) over loops of both faces;
 //! - step 6, the sum of all these: `path`.
 //!
-//! Frames of loops are made once, and nothing is skipped beyond the ranges of height that the cells carry and, for `tracked`,
-//! the part of a ray that can be in a loop, so that it stays plain.
+//! Frames of loops are made once, and nothing is skipped beyond what the blocks' lists tell of where loops are and, for
+//! `tracked`, the part of a ray that can be in a loop, so that it stays plain.
 
 mod backend;
 mod exact;
@@ -40,7 +40,7 @@ use crate::scene::{Loops, Scene};
 
 pub use backend::ReferenceBackend;
 pub use skeleton::{SkeletonHit, Yarns};
-pub use walk::{CellSpan, Grid, LoopPlace};
+pub use walk::{Grid, LoopPlace, Span};
 
 /// Draws samples of one request.
 #[derive(Debug)]
@@ -137,7 +137,7 @@ impl Tracer {
         size_of_val(&**self.frames) as u64
     }
 
-    /// The grid of cells.
+    /// The grid of blocks.
     pub fn grid(&self) -> &Grid {
         &self.grid
     }
@@ -146,6 +146,9 @@ impl Tracer {
 /// The frames of all loops, each relative to its own cell.
 fn frames(loops: &Loops) -> Vec<LoopFrame> {
     let thickness = f64::from(loops.thickness_mm);
-    let frame = |shape| LoopFrame::new(walk::patch_of(shape, loops.base_width_mm), thickness);
-    loops.shapes.par_iter().map(frame).collect()
+    let frame = |index| {
+        let patch = walk::patch_of(&loops.patch(index), loops.base_width_mm);
+        LoopFrame::new(patch, thickness)
+    };
+    (0..loops.shapes.len()).into_par_iter().map(frame).collect()
 }

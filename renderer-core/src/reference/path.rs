@@ -180,7 +180,10 @@ impl<'a> PathTracer<'a> {
             let direction = directions::cone(centre, sun.angular_radius, u, v);
             let value = tracer.optics.value(vertex.lobe, view, direction);
             if value > 0.0 || gather.orders > 0 {
-                let visibility = self.visibility(&vertex.leave(direction, SURFACE_OFFSET_MM), gather.composited);
+                let visibility = self.visibility(
+                    &vertex.leave(direction, SURFACE_OFFSET_MM),
+                    gather.composited,
+                );
                 let by_bounces = gather.by_bounces(vertex, direction, visibility);
                 let light_of_sun = by_bounces * (0.25 * FRAC_1_PI) + value * visibility;
                 light += DVec3::from_array(sun.irradiance) * light_of_sun;
@@ -200,7 +203,10 @@ impl<'a> PathTracer<'a> {
             bounce: gather.bounce,
         });
         let (direction, weight) = tracer.optics.sample(vertex.lobe, view, [u, v]);
-        let visibility = self.visibility(&vertex.leave(direction, SURFACE_OFFSET_MM), gather.composited);
+        let visibility = self.visibility(
+            &vertex.leave(direction, SURFACE_OFFSET_MM),
+            gather.composited,
+        );
         let by_bounces = gather.by_bounces(vertex, direction, visibility);
         environment_radiance(lights, direction) * (by_bounces + visibility) * weight
     }

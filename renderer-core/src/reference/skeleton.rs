@@ -15,7 +15,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
 
-use super::{CellSpan, Grid};
+use super::{Grid, Span};
 use crate::design::SkeletonHeight;
 use crate::geometry::{Interval, Ray};
 use crate::scene::{SheetGeometry, Skeleton};
@@ -125,12 +125,12 @@ impl Yarns {
         &self,
         grid: &Grid,
         ray: &Ray,
-        span: &CellSpan,
+        span: &Span,
         cell_centre: DVec3,
     ) -> Option<SkeletonHit> {
         let height = self.height();
         let sheet_layer = Interval::new(-height, height);
-        if !grid.is_in_sheet(span.cell) || !span.heights(ray).overlaps(sheet_layer) {
+        if !grid.is_in_sheet(span.index) || !span.heights(ray).overlaps(sheet_layer) {
             return None;
         }
         let ray = ray.relative_to(cell_centre);
@@ -139,12 +139,12 @@ impl Yarns {
             // Yarns k places away reach into the cell while k·pitch − radius < ½ pitch.
             let reach = (self.radius[set] / self.pitch[set] - 0.5).ceil().max(0.0) as i64;
             for offset in -reach..=reach {
-                let mut neighbour = span.cell;
+                let mut neighbour = span.index;
                 neighbour[set] += offset;
                 if !grid.is_in_sheet(neighbour) {
                     continue;
                 }
-                let yarn = self.yarn(set, span.cell, offset);
+                let yarn = self.yarn(set, span.index, offset);
                 let end = nearest.map_or(span.leave, |hit| hit.t);
                 let room = match self.form {
                     SkeletonHeight::Winding => ROOMY,

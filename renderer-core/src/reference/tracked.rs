@@ -1,19 +1,19 @@
 //! `tracked`: random free paths through the summed densities of all loops (Woodcock's delta tracking), and their
 //! expected transmittance for shadow rays (ratio tracking). Unbiased, without a step, overlaps exact (MODEL.md §9).
 //!
-//! Where loops overlap, σ = Σ density_k·ρ_k · min(1, 1.5/Σρ_k) (MODEL.md §5). Where a ray may meet one loop in a cell σ is at
+//! Where loops overlap, σ = Σ density_k·ρ_k · min(1, 1.5/Σρ_k) (MODEL.md §5). Where a ray may meet one loop in a block σ is at
 //! most the densest material's, else 1.5 times that: the majorant. A free path is one optical depth −ln(1 − u) spent
-//! cell by cell at the majorant's rate; where it is spent, the ray collides with probability σ/majorant, otherwise it
-//! draws the next one. Before the first loop that a ray may meet in a cell and behind the last nothing is spent.
+//! block by block at the majorant's rate; where it is spent, the ray collides with probability σ/majorant, otherwise it
+//! draws the next one. Before the first loop that a ray may meet in a block and behind the last nothing is spent.
 
 use std::ops::ControlFlow;
 
 use glam::DVec3;
 
-use super::walk::CellLoops;
+use super::walk::{BlockLoops, LoopPart};
 use super::{LoopPlace, Scratch, SkeletonHit, Tracer};
-use crate::optics::{Vertex};
 use crate::geometry::{Interval, Ray};
+use crate::optics::Vertex;
 use crate::render::Counters;
 use crate::sampling::Pcg;
 
@@ -66,7 +66,7 @@ pub(super) fn chosen(overlaps: &[Overlap], number: f64) -> Option<&Overlap> {
 /// A place where a ray may collide.
 struct Tentative {
     t: f64,
-    /// The cell's majorant, 1/mm.
+    /// The block's majorant, 1/mm.
     majorant: f64,
     /// σ there, 1/mm.
     sigma: f64,
@@ -120,23 +120,31 @@ impl Tracer {
 
     /// σ at a point of the world, 1/mm.
     pub fn extinction(&self, point: DVec3, scratch: &mut Scratch) -> f64 {
-        let loops = self.loops_in(self.grid.cell_at(point.x, point.y));
-        let places = loops.within(Interval::new(point.z, point.z));
+        let block = self.grid.block_at(point.x, point.y);
+        // A ray that goes nowhere.
+        let ray = Ray {
+            origin: point,
+            direction: DVec3::Z,
+        };
+        let here = Interval::new(0.0, 0.0);
+        let pieces = self.grid.pieces(&ray, here, block, LoopPart::Volume);
+        let places = self.loops_in(block).along(pieces);
         self.overlaps_at(point, places, scratch)
     }
 
-    /// The loops that a ray may meet in its part `part` of a cell, each with where.
+    /// The loops that a ray may meet in its part `part` of a block, each with where.
     fn loops_along(
         &self,
         ray: &Ray,
         part: Interval,
-        loops: &CellLoops<'_>,
+        block: [i64; 2],
+        loops: &BlockLoops<'_>,
         counters: &mut Counters,
         found: &mut Vec<(LoopPlace, Interval)>,
     ) {
         found.clear();
-        let (a, b) = (ray.at(part.low).z, ray.at(part.high).z);
-        for place in loops.within(Interval::new(a.min(b), a.max(b))) {
+        let pieces = self.grid.pieces(ray, part, block, LoopPart::Volume);
+        for place in loops.along(pieces) {
             counters.patch_tests += 1;
             let local = ray.relative_to(self.cell_origin(place.cell));
             let span = self.frame(place).clip(&local, part);
@@ -160,17 +168,24 @@ impl Tracer {
             scratch.counters.cells += 1;
             let skeleton = self.skeleton_hit(ray, &span);
             let end = skeleton.map_or(span.leave, |hit| hit.t);
-            let loops = self.loops_in(span.cell);
+            let loops = self.loops_in(span.index);
             let part = Interval::new(span.enter, end).clip_linear(
                 ray.origin.z,
                 ray.direction.z,
-                loops.heights,
+                loops.heights(),
             );
             let mut along = std::mem::take(&mut scratch.along);
             if part.is_empty() {
                 along.clear();
             } else {
-                self.loops_along(ray, part, &loops, &mut scratch.counters, &mut along);
+                self.loops_along(
+                    ray,
+                    part,
+                    span.index,
+                    &loops,
+                    &mut scratch.counters,
+                    &mut along,
+                );
             }
             let majorant = match along.len() {
                 0 => 0.0,

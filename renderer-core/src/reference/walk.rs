@@ -1,38 +1,43 @@
-//! The walk of a ray through the grid of cells, front to back (Amanatides and Woo, Eurographics 1987).
+//! The walk of a ray through the grid of blocks, front to back (Amanatides and Woo, Eurographics 1987), and through the cells
+//! of a block.
 //!
-//! Space: world, mm. The grid is the sheet's cells and its margin, [`crate::scene::Loops`]. A cell's part of the ray is
-//! half open, t in [enter, leave), and one cell's `leave` is the next one's `enter` to the bit, so that a hit lies in
-//! exactly one cell. Crossings are computed from the cell's number each time, not added up.
+//! Space: world, mm. The grid is the sheet's blocks and its margin, [`crate::scene::Loops`]. A block's part of the ray is
+//! half open, t in [enter, leave), and one block's `leave` is the next one's `enter` to the bit, so that a hit lies in
+//! exactly one block. Crossings are computed from the block's number each time, not added up.
 
 use glam::{DVec2, DVec3};
 
 use super::Yarns;
 use crate::geometry::{BilinearPatch, Interval, Ray, clip_to_box};
-use crate::scene::{CellEntry, CellHeader, LoopShape, Loops, SheetGeometry};
+use crate::scene::{BlockEntry, EntryParts, Face, LoopPatch, Loops, SheetGeometry};
 
 /// The grid and its box.
 #[derive(Debug, Clone)]
 pub struct Grid {
     pitch: DVec2,
-    /// Cells of the sheet, and of the margin on each side.
+    /// Cells of the sheet.
     cells: [i64; 2],
-    margin: [i64; 2],
+    /// Cells along each side of a block.
+    block_cells: i64,
+    /// First block, and the one behind the last.
+    first: [i64; 2],
+    end: [i64; 2],
     low: DVec3,
     high: DVec3,
 }
 
-/// The part of a ray in one cell.
+/// The part of a ray in one block or in one cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CellSpan {
-    /// The cell (i, j); outside the sheet in the margin.
-    pub cell: [i64; 2],
-    /// Where the ray enters the cell (or starts), mm along it.
+pub struct Span {
+    /// The block, or the cell (i, j); outside the sheet in the margin.
+    pub index: [i64; 2],
+    /// Where the ray enters it (or starts), mm along it.
     pub enter: f64,
     /// Where it leaves; not part of the span.
     pub leave: f64,
 }
 
-impl CellSpan {
+impl Span {
     /// Whether the span holds `t`.
     pub fn holds(&self, t: f64) -> bool {
         self.enter <= t && t < self.leave
@@ -57,25 +62,26 @@ pub struct LoopPlace {
 impl Grid {
     /// The grid over a sheet, high enough for its loops and yarns.
     pub fn new(sheet: &SheetGeometry, loops: &Loops, yarns: Option<&Yarns>) -> Self {
-        let pitch = DVec2::new(sheet.pitch_x_mm, sheet.pitch_y_mm);
-        let cells = [i64::from(sheet.warps), i64::from(sheet.wefts)];
-        let margin = loops.margin.map(i64::from);
         let [mut z_low, mut z_high] = loops.z_range_mm.map(f64::from);
         if let Some(yarns) = yarns {
             z_low = z_low.min(-yarns.height());
             z_high = z_high.max(yarns.height());
         }
-        let half = DVec2::new(
-            cells[0] as f64 / 2.0 + margin[0] as f64,
-            cells[1] as f64 / 2.0 + margin[1] as f64,
-        ) * pitch;
-        Self {
-            pitch,
-            cells,
-            margin,
-            low: (-half).extend(z_low),
-            high: half.extend(z_high),
+        let first = loops.margin.map(|blocks| -i64::from(blocks));
+        let mut grid = Self {
+            pitch: DVec2::new(sheet.pitch_x_mm, sheet.pitch_y_mm),
+            cells: [i64::from(sheet.warps), i64::from(sheet.wefts)],
+            block_cells: i64::from(loops.block_cells),
+            first,
+            end: [0, 1].map(|axis| first[axis] + i64::from(loops.blocks[axis])),
+            low: DVec3::new(0.0, 0.0, z_low),
+            high: DVec3::new(0.0, 0.0, z_high),
+        };
+        for axis in 0..2 {
+            grid.low[axis] = grid.edge_mm(axis, grid.first[axis] * grid.block_cells);
+            grid.high[axis] = grid.edge_mm(axis, grid.end[axis] * grid.block_cells);
         }
+        grid
     }
 
     /// Corners of the box that holds the cloth.
@@ -83,13 +89,32 @@ impl Grid {
         [self.low, self.high]
     }
 
+    /// Where cell `index` begins along an axis.
+    fn edge_mm(&self, axis: usize, index: i64) -> f64 {
+        (index as f64 - self.cells[axis] as f64 / 2.0) * self.pitch[axis]
+    }
+
     /// The cell that holds the point (x, y).
-    pub fn cell_at(&self, x: f64, y: f64) -> [i64; 2] {
+    fn cell_at(&self, x: f64, y: f64) -> [i64; 2] {
         [0, 1].map(|axis| {
             let place = [x, y][axis] / self.pitch[axis] + self.cells[axis] as f64 / 2.0;
-            (place.floor() as i64)
-                .clamp(-self.margin[axis], self.cells[axis] + self.margin[axis] - 1)
+            place.floor() as i64
         })
+    }
+
+    /// The block that holds the point (x, y), or the nearest one.
+    pub fn block_at(&self, x: f64, y: f64) -> [i64; 2] {
+        let cell = self.cell_at(x, y);
+        [0, 1].map(|axis| {
+            let block = cell[axis].div_euclid(self.block_cells);
+            block.clamp(self.first[axis], self.end[axis] - 1)
+        })
+    }
+
+    /// The way of a ray through its part `span` of a block, by the subcells that loops' `part` is told in.
+    pub fn pieces(&self, ray: &Ray, span: Interval, block: [i64; 2], part: LoopPart) -> Pieces {
+        let low = [0, 1].map(|axis| self.edge_mm(axis, block[axis] * self.block_cells));
+        Pieces::new(ray, span, low, self.block_cells as f64 * self.pitch, part)
     }
 
     /// Whether a cell belongs to the sheet itself.
@@ -97,79 +122,90 @@ impl Grid {
         (0..2).all(|axis| (0..self.cells[axis]).contains(&cell[axis]))
     }
 
-    /// Whether a cell belongs to the grid, margin included.
-    fn contains(&self, cell: [i64; 2]) -> bool {
-        (0..2).all(|axis| {
-            let margin = self.margin[axis];
-            (-margin..self.cells[axis] + margin).contains(&cell[axis])
-        })
-    }
-
-    /// The cells along a ray.
+    /// The blocks along a ray.
     pub fn walk(&self, ray: &Ray) -> Walk<'_> {
         let whole = clip_to_box(ray, Interval::new(0.0, f64::INFINITY), self.low, self.high);
         let start = ray.at(whole.low);
-        let mut walk = Walk {
+        Walk {
             grid: self,
             ray: *ray,
-            cell: self.cell_at(start.x, start.y),
-            next: [f64::INFINITY; 2],
+            stride: self.block_cells,
+            first: self.first,
+            end: self.end,
+            index: self.block_at(start.x, start.y),
             t: whole.low,
-            end: whole.high,
-        };
-        for axis in 0..2 {
-            walk.next[axis] = walk.crossing(axis);
+            t_end: whole.high,
         }
-        walk
+    }
+
+    /// The cells along a ray's part in a block.
+    pub fn walk_cells(&self, ray: &Ray, block: &Span) -> Walk<'_> {
+        let start = ray.at(block.enter);
+        let first = block.index.map(|index| index * self.block_cells);
+        let end = first.map(|index| index + self.block_cells);
+        let cell = self.cell_at(start.x, start.y);
+        Walk {
+            grid: self,
+            ray: *ray,
+            stride: 1,
+            first,
+            end,
+            // Rounding may put the start just beside the block.
+            index: [0, 1].map(|axis| cell[axis].clamp(first[axis], end[axis] - 1)),
+            t: block.enter,
+            t_end: block.leave,
+        }
     }
 }
 
-/// Iterator over the cells along a ray.
+/// Iterator over the blocks or the cells along a ray.
 #[derive(Debug, Clone)]
 pub struct Walk<'a> {
     grid: &'a Grid,
     ray: Ray,
-    cell: [i64; 2],
-    /// Where the ray leaves the current column and row.
-    next: [f64; 2],
+    /// Cells along each side of what it steps over.
+    stride: i64,
+    /// First index, and the one behind the last.
+    first: [i64; 2],
+    end: [i64; 2],
+    index: [i64; 2],
     t: f64,
-    end: f64,
+    t_end: f64,
 }
 
 impl Walk<'_> {
-    /// Where the ray leaves the current cell along `axis`.
+    /// Where the ray leaves the current column or row.
     fn crossing(&self, axis: usize) -> f64 {
         let slope = self.ray.direction[axis];
         if slope == 0.0 {
             return f64::INFINITY;
         }
-        let edge = self.cell[axis] + i64::from(slope > 0.0);
-        let edge_mm = (edge as f64 - self.grid.cells[axis] as f64 / 2.0) * self.grid.pitch[axis];
-        (edge_mm - self.ray.origin[axis]) / slope
+        let edge = (self.index[axis] + i64::from(slope > 0.0)) * self.stride;
+        (self.grid.edge_mm(axis, edge) - self.ray.origin[axis]) / slope
     }
 }
 
 impl Iterator for Walk<'_> {
-    type Item = CellSpan;
+    type Item = Span;
 
-    fn next(&mut self) -> Option<CellSpan> {
-        while self.t < self.end {
-            let axis = usize::from(self.next[1] < self.next[0]);
-            let span = CellSpan {
-                cell: self.cell,
+    fn next(&mut self) -> Option<Span> {
+        while self.t < self.t_end {
+            let next = [self.crossing(0), self.crossing(1)];
+            let axis = usize::from(next[1] < next[0]);
+            let span = Span {
+                index: self.index,
                 enter: self.t,
-                leave: self.next[axis].min(self.end),
+                leave: next[axis].min(self.t_end),
             };
-            // Rounding may put a crossing just before the start: then the cell holds nothing.
-            self.t = self.next[axis].max(self.t);
-            self.cell[axis] += if self.ray.direction[axis] > 0.0 {
+            // Rounding may put a crossing just before the start: then nothing is held.
+            self.t = next[axis].max(self.t);
+            self.index[axis] += if self.ray.direction[axis] > 0.0 {
                 1
             } else {
                 -1
             };
-            self.next[axis] = self.crossing(axis);
-            if !self.grid.contains(self.cell) {
-                self.end = f64::NEG_INFINITY;
+            if !(self.first[axis]..self.end[axis]).contains(&self.index[axis]) {
+                self.t_end = f64::NEG_INFINITY;
             }
             if span.enter < span.leave {
                 return Some(span);
@@ -179,69 +215,156 @@ impl Iterator for Walk<'_> {
     }
 }
 
-impl CellHeader {
-    /// Lowest and highest point of any loop in the cell, mm; empty if there is none.
-    fn heights(&self, loops: &Loops) -> Interval {
-        let unit = f64::from(loops.height_unit_mm);
-        let [low, high] = self.z_units().map(|z| f64::from(z) * unit);
-        Interval::new(low, high)
+/// What of a loop a ray may meet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LoopPart {
+    /// Its patch, w = 0: all that `single` asks for.
+    Patch,
+    /// Its volume.
+    Volume,
+}
+
+impl LoopPart {
+    /// Subcells along each side of a block in which it is told.
+    fn subcells(self) -> usize {
+        match self {
+            Self::Patch => 3,
+            Self::Volume => 2,
+        }
     }
 }
 
-/// The loops of one cell.
+/// A ray's part in a block, cut where it goes from one of the block's subcells to the next.
 #[derive(Debug, Clone, Copy)]
-pub struct CellLoops<'a> {
-    sheet: &'a SheetGeometry,
-    loops: &'a Loops,
-    cell: [i64; 2],
-    entries: &'a [CellEntry],
-    /// Lowest and highest point of any loop in the cell, mm.
-    pub heights: Interval,
+pub struct Pieces {
+    part: LoopPart,
+    /// The bit of each subcell passed, and the heights that the ray passes in it.
+    list: [(u32, Interval); 5],
+    count: usize,
+    /// The quadrant and the height at which the ray starts: of a loop that holds the start, a part lies ahead even where its
+    /// patch lies behind.
+    start: Option<(u32, f64)>,
 }
 
-impl<'a> CellLoops<'a> {
-    /// The loops listed in `cell`; none outside the grid.
-    pub fn new(sheet: &'a SheetGeometry, loops: &'a Loops, cell: [i64; 2]) -> Self {
-        let index = loops.header_index(sheet, cell[0], cell[1]);
-        let header = index.map(|index| &loops.headers[index]);
+impl Pieces {
+    fn new(ray: &Ray, span: Interval, low: [f64; 2], size: DVec2, part: LoopPart) -> Self {
+        let starts_here = part == LoopPart::Patch && span.low <= 0.0;
+        let start = starts_here.then(|| {
+            let (quadrant, _) = Self::new(ray, span, low, size, LoopPart::Volume).list[0];
+            (quadrant, ray.at(span.low).z)
+        });
+        let n = part.subcells();
+        let mut cuts = [span.high; 6];
+        cuts[0] = span.low;
+        let mut count = 1;
+        for axis in 0..2 {
+            for k in 1..n {
+                let line = low[axis] + size[axis] * k as f64 / n as f64;
+                let t = (line - ray.origin[axis]) / ray.direction[axis];
+                if span.low < t && t < span.high {
+                    cuts[count] = t;
+                    count += 1;
+                }
+            }
+        }
+        let cuts = &mut cuts[..=count];
+        cuts.sort_by(f64::total_cmp);
+        let mut pieces = Self {
+            part,
+            list: [(0, Interval::new(0.0, 0.0)); 5],
+            count,
+            start,
+        };
+        for (piece, ends) in pieces.list.iter_mut().zip(cuts.windows(2)) {
+            let middle = ray.at(0.5 * (ends[0] + ends[1]));
+            let [x, y] = [0, 1].map(|axis| {
+                let place = (middle[axis] - low[axis]) / size[axis] * n as f64;
+                (place.floor().max(0.0) as usize).min(n - 1)
+            });
+            let (a, b) = (ray.at(ends[0]).z, ray.at(ends[1]).z);
+            *piece = (1 << (x + n * y), Interval::new(a.min(b), a.max(b)));
+        }
+        pieces
+    }
+
+    /// Whether a loop may be met whose entry tells this and whose part in the block is between two heights.
+    fn meet(&self, entry: &EntryParts, heights: Interval) -> bool {
+        let subcells = match self.part {
+            LoopPart::Patch => entry.ninths,
+            LoopPart::Volume => entry.quadrants,
+        };
+        let mut pieces = self.list[..self.count].iter();
+        let meets =
+            |&(subcell, own): &(u32, Interval)| subcells & subcell != 0 && own.overlaps(heights);
+        let holds = |(quadrant, z): (u32, f64)| entry.quadrants & quadrant != 0 && heights.holds(z);
+        pieces.any(meets) || self.start.is_some_and(holds)
+    }
+}
+
+/// The loops of one block.
+#[derive(Debug, Clone, Copy)]
+pub struct BlockLoops<'a> {
+    loops: &'a Loops,
+    block: [i64; 2],
+    entries: &'a [BlockEntry],
+    /// The heights in which entries tell where loops of the front and of the back are, mm.
+    of_face: [Interval; 2],
+}
+
+impl<'a> BlockLoops<'a> {
+    /// The loops listed in `block`; none outside the grid.
+    pub fn new(loops: &'a Loops, block: [i64; 2]) -> Self {
+        let index = loops.header_index(block);
+        let of_face = [Face::Front, Face::Back].map(|face| {
+            let heights = index.map(|index| loops.headers[index].heights_mm(loops, face));
+            let [low, high] = heights.unwrap_or([1.0, 0.0]);
+            Interval::new(low, high)
+        });
         Self {
-            sheet,
             loops,
-            cell,
-            entries: header.map_or(&[], |header| loops.entries_of(header)),
-            heights: header.map_or(Interval::new(1.0, 0.0), |header| header.heights(loops)),
+            block,
+            entries: index.map_or(&[], |index| loops.entries_of(index)),
+            of_face,
         }
     }
 
-    /// The loops whose part in this cell is somewhere within `heights`.
-    pub fn within(&self, heights: Interval) -> impl Iterator<Item = LoopPlace> + use<'a> {
+    /// Lowest and highest point of any loop in the block, mm; empty if there is none.
+    pub fn heights(&self) -> Interval {
+        let [front, back] = self.of_face;
+        Interval::new(front.low.min(back.low), front.high.max(back.high))
+    }
+
+    /// The loops that may be met on a way through the block.
+    pub fn along(&self, pieces: Pieces) -> impl Iterator<Item = LoopPlace> + use<'a> {
         let Self {
-            sheet,
             loops,
-            cell,
+            block,
             entries,
-            heights: own,
+            of_face,
         } = *self;
-        let step = (own.high - own.low) / 255.0;
-        let met = if own.overlaps(heights) { entries } else { &[] };
-        met.iter().filter_map(move |entry| {
-            let [low, high] = entry.z_steps().map(|z| own.low + f64::from(z) * step);
-            if !Interval::new(low, high).overlaps(heights) {
+        let layout = loops.entry_layout;
+        entries.iter().filter_map(move |&entry| {
+            let entry = layout.unpack(entry);
+            let own = of_face[usize::from(Face::of_place(entry.place) == Face::Back)];
+            let step = (own.high - own.low) / f64::from(layout.height_steps());
+            let [low, high] = [entry.heights[0], entry.heights[1] + 1]
+                .map(|steps| own.low + f64::from(steps) * step);
+            if !pieces.meet(&entry, Interval::new(low, high)) {
                 return None;
             }
-            let [di, dj] = entry.cell_offset();
-            let home = [cell[0] + i64::from(di), cell[1] + i64::from(dj)];
-            let header = &loops.headers[loops.header_index(sheet, home[0], home[1])?];
+            let [x, y] = entry.offset.map(i64::from);
+            let home = [block[0] + x, block[1] + y];
+            let header = &loops.headers[loops.header_index(home)?];
             Some(LoopPlace {
-                index: (header.first_loop + entry.slot()) as usize,
-                cell: home,
+                index: header.loop_index(entry.place) as usize,
+                cell: loops.cell_in_block(home, entry.place),
             })
         })
     }
 }
 
-/// The patch of a loop, relative to its own cell (see [`LoopShape`]).
-pub fn patch_of(shape: &LoopShape, base_width_mm: f32) -> BilinearPatch {
+/// The patch of a loop, relative to its own cell.
+pub fn patch_of(shape: &LoopPatch, base_width_mm: f32) -> BilinearPatch {
     let axis = DVec3::from_array(shape.axis.map(f64::from));
     let half_top = DVec3::from_array(shape.half_top.map(f64::from));
     let (z0, z1) = (f64::from(shape.root_z0), f64::from(shape.root_z1));

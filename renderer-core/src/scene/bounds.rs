@@ -11,7 +11,7 @@
 
 use glam::DVec3;
 
-use super::LoopShape;
+use super::LoopPatch;
 
 /// Most parts along each side of a patch.
 const MAX_PARTS: usize = 4;
@@ -21,9 +21,9 @@ const BULGE: f64 = 0.05;
 const STEEPEST: f64 = 1e4;
 
 /// Smallest box that holds the volume: that of its eight corners, since every point is a mean of them.
-pub(super) fn box_of(shape: &LoopShape, base_width_mm: f32, thickness_mm: f32) -> [DVec3; 2] {
-    let [p0, p1, p2, p3] = shape.corners(base_width_mm);
-    let half = 0.5 * f64::from(thickness_mm) * shape.normal(base_width_mm).abs();
+pub(super) fn box_of(patch: &LoopPatch, base_width_mm: f32, thickness_mm: f32) -> [DVec3; 2] {
+    let [p0, p1, p2, p3] = patch.corners(base_width_mm);
+    let half = 0.5 * f64::from(thickness_mm) * patch.normal(base_width_mm).abs();
     [
         p0.min(p1).min(p2).min(p3) - half,
         p0.max(p1).max(p2).max(p3) + half,
@@ -45,15 +45,25 @@ impl Part {
     }
 }
 
-/// Parts that together hold the loop's volume.
+/// What parts are to hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Held {
+    /// The patch, w = 0.
+    Patch,
+    /// The whole volume.
+    Volume,
+}
+
+/// Parts that together hold the loop's volume or its patch.
 pub(super) fn parts(
-    shape: &LoopShape,
+    patch: &LoopPatch,
     base_width_mm: f32,
     thickness_mm: f32,
+    held: Held,
 ) -> impl Iterator<Item = Part> {
-    let [b, c, a] = shape.coefficients(base_width_mm);
-    let normal = shape.normal(base_width_mm);
-    let [p0, p1, p2, p3] = shape.corners(base_width_mm);
+    let [b, c, a] = patch.coefficients(base_width_mm);
+    let normal = patch.normal(base_width_mm);
+    let [p0, p1, p2, p3] = patch.corners(base_width_mm);
     let middle = 0.25 * (p0 + p1 + p2 + p3);
     let half_thickness = 0.5 * f64::from(thickness_mm);
     let [alpha, beta, gamma] = decompose(a, b, c, normal);
@@ -70,7 +80,13 @@ pub(super) fn parts(
             edges: [
                 b * (half + half * half * alpha),
                 c * (half + half * half * beta),
-                normal * (half_thickness + half * half * gamma),
+                normal
+                    * (half * half * gamma
+                        + if held == Held::Volume {
+                            half_thickness
+                        } else {
+                            0.0
+                        }),
             ],
         }
     })
@@ -93,11 +109,42 @@ fn decompose(a: DVec3, b: DVec3, c: DVec3, normal: DVec3) -> [f64; 3] {
     }
 }
 
+/// A part's outline seen from above, prepared for cells of one size.
+pub(super) struct Outline {
+    centre: DVec3,
+    /// Normals (x, y) and how far from the part's centre a cell's centre may be along them.
+    normals: [[f64; 3]; 3],
+}
+
+impl Outline {
+    /// Prepares a part for cells of half size `cell`.
+    pub(super) fn new(part: &Part, cell: [f64; 2]) -> Self {
+        let edges = part.edges;
+        let normals = edges.map(|edge| {
+            let normal = [-edge.y, edge.x];
+            let along = |e: &DVec3| (normal[0] * e.x + normal[1] * e.y).abs();
+            let cell_reach = cell[0] * normal[0].abs() + cell[1] * normal[1].abs();
+            let reach = edges.iter().map(along).sum::<f64>() + cell_reach;
+            [normal[0], normal[1], reach]
+        });
+        Self {
+            centre: part.centre,
+            normals,
+        }
+    }
+
+    /// Whether the part may reach the cell whose centre is at `cell`, a cell that the part's box reaches.
+    pub(super) fn reaches(&self, cell: [f64; 2]) -> bool {
+        let (x, y) = (cell[0] - self.centre.x, cell[1] - self.centre.y);
+        let apart = |[nx, ny, reach]: &[f64; 3]| (nx * x + ny * y).abs() > *reach;
+        !self.normals.iter().any(apart)
+    }
+}
+
 /// A part prepared for cells of one size.
 pub(super) struct PartOverCells {
     centre: DVec3,
-    /// Outline normals (x, y) and how far from the part's centre a cell's centre may be along them.
-    outline: [[f64; 3]; 3],
+    outline: Outline,
     /// Over a cell at (x, y) from the centre, |z − λx − μy| ≤ K for each (λ, μ, K).
     lambda: [f64; PLANES],
     mu: [f64; PLANES],
@@ -111,13 +158,6 @@ impl PartOverCells {
     /// Prepares a part for cells of half size `cell`.
     pub(super) fn new(part: &Part, cell: [f64; 2]) -> Self {
         let edges = part.edges;
-        let outline = edges.map(|edge| {
-            let normal = [-edge.y, edge.x];
-            let along = |e: &DVec3| (normal[0] * e.x + normal[1] * e.y).abs();
-            let cell_reach = cell[0] * normal[0].abs() + cell[1] * normal[1].abs();
-            let reach = edges.iter().map(along).sum::<f64>() + cell_reach;
-            [normal[0], normal[1], reach]
-        });
         let along_both = |p: DVec3, q: DVec3| {
             let inverse = 1.0 / (p.x * q.y - p.y * q.x);
             [
@@ -150,7 +190,7 @@ impl PartOverCells {
         };
         Self {
             centre: part.centre,
-            outline,
+            outline: Outline::new(part, cell),
             lambda: slopes.map(|[lambda, _]| lambda),
             mu: slopes.map(|[_, mu]| mu),
             k: slopes.map(off),
@@ -160,11 +200,10 @@ impl PartOverCells {
     /// Lowest and highest point of the part over the cell whose centre is at `cell`, a cell that the part's box
     /// reaches; `None` where the part does not.
     pub(super) fn z_range(&self, cell: [f64; 2]) -> Option<[f64; 2]> {
-        let (x, y) = (cell[0] - self.centre.x, cell[1] - self.centre.y);
-        let apart = |[nx, ny, reach]: &[f64; 3]| (nx * x + ny * y).abs() > *reach;
-        if self.outline.iter().any(apart) {
+        if !self.outline.reaches(cell) {
             return None;
         }
+        let (x, y) = (cell[0] - self.centre.x, cell[1] - self.centre.y);
         let [mut low, mut high] = [-self.k[0], self.k[0]];
         for plane in 1..PLANES {
             let middle = self.lambda[plane] * x + self.mu[plane] * y;

@@ -30,7 +30,7 @@ use super::skeleton::{Face, RootHeights};
 use super::turbulence::TurbulenceField;
 use super::volumes::rasterise_unless_cancelled;
 use super::{
-    Lights, LoopCounts, LoopShape, Loops, PileOptics, Scene, Section, SheetGeometry, Skeleton,
+    Lights, LoopCounts, LoopPatch, Loops, PileOptics, Scene, Section, SheetGeometry, Skeleton,
     Volumes,
 };
 use crate::design::{
@@ -53,6 +53,16 @@ pub enum CompileError {
         loops: u64,
         /// Most entries.
         limit: u64,
+    },
+    /// A loop reaches over too many cells.
+    #[error(
+        "pile.max_length and pile.base_width let a loop reach {cells} cells from its own; at most {limit} are allowed: use shorter or narrower pile, or smaller sheet.warps_per_cm and sheet.wefts_per_cm"
+    )]
+    TooFar {
+        /// The cells.
+        cells: i64,
+        /// Most cells.
+        limit: i64,
     },
     /// Nobody waits for the scene any more.
     #[error("given up")]
@@ -333,7 +343,7 @@ impl VolumesInputs {
 /// Loops of one weft.
 #[derive(Default)]
 struct Row {
-    shapes: Vec<LoopShape>,
+    patches: Vec<LoopPatch>,
     warps: Vec<u32>,
     counts: LoopCounts,
 }
@@ -355,9 +365,9 @@ impl LoopsInputs {
             })
             .collect();
         cancel.check()?;
-        let count = rows.iter().map(|row| row.shapes.len()).sum();
+        let count = rows.iter().map(|row| row.patches.len()).sum();
         let mut planted = Planted {
-            shapes: Vec::with_capacity(count),
+            patches: Vec::with_capacity(count),
             warps: Vec::with_capacity(count),
             row_starts: Vec::with_capacity(rows.len() + 1),
             base_width_mm: self.frames.base_width as f32,
@@ -365,16 +375,20 @@ impl LoopsInputs {
             counts: LoopCounts::default(),
         };
         for row in rows {
-            planted.row_starts.push(planted.shapes.len());
-            planted.shapes.extend_from_slice(&row.shapes);
+            planted.row_starts.push(planted.patches.len());
+            planted.patches.extend_from_slice(&row.patches);
             planted.warps.extend_from_slice(&row.warps);
             planted.counts = planted.counts.plus(row.counts);
         }
-        planted.row_starts.push(planted.shapes.len());
+        planted.row_starts.push(planted.patches.len());
         grid::build(&self.sheet, planted, cancel).map_err(|error| match error {
             NoGrid::TooManyEntries => CompileError::TooManyEntries {
                 loops: count as u64,
                 limit: grid::MAX_ENTRIES,
+            },
+            NoGrid::TooFar(cells) => CompileError::TooFar {
+                cells,
+                limit: grid::MOST_CELLS,
             },
             NoGrid::Cancelled => CompileError::Cancelled,
         })
@@ -401,7 +415,7 @@ impl LoopsInputs {
                     jitter: Jitter::new(loop_hash(self.turbulence.seed, i, j, face)),
                 };
                 if let Some(shape) = loop_shape(&self.frames, &input, &mut row.counts) {
-                    row.shapes.push(shape);
+                    row.patches.push(shape);
                     row.warps.push(i);
                 }
             }

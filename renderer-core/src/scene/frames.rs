@@ -1,5 +1,5 @@
 //! Yarn-loop frames: one bilinear patch a loop (MODEL.md §4; the paper's §4.2, figures 6 and 7). Computed in f64,
-//! in mm relative to the loop's own cell, and stored as f32 [`LoopShape`].
+//! in mm relative to the loop's own cell, as f32 [`LoopPatch`], which the grid stores as [`super::LoopShape`].
 //!
 //! What the paper leaves open is bounded here: leans stop at 1.3 rad, top corners stay above the sheet, patches stay
 //! convex seen along their normal, and degenerate ones are dropped. [`LoopCounts`] tells how often.
@@ -7,7 +7,7 @@
 use glam::DVec3;
 
 use super::skeleton::Face;
-use super::{LoopCounts, LoopShape};
+use super::{LoopCounts, LoopPatch};
 use crate::design::Pile;
 use crate::sampling::{hash_with, unit_float};
 
@@ -17,6 +17,8 @@ pub const MAX_LEAN: f64 = 1.3;
 pub const MAX_TWIST: f64 = 2.5;
 /// Largest |α| + |β| of a patch; at 2 it stops being convex seen along its normal.
 pub const MAX_SKEW: f64 = 1.8;
+/// The same after rounding to whole units of length: still short of 2.
+const ROUNDED_SKEW: f64 = 1.9;
 /// A patch is degenerate when |b × c| is below this share of w₀·L.
 const DEGENERATE: f64 = 1e-3;
 /// Loops shorter than this, mm, are no loops: the thinnest yarn has ten times this diameter.
@@ -118,7 +120,7 @@ pub fn loop_shape(
     settings: &FrameSettings,
     input: &LoopInput,
     counts: &mut LoopCounts,
-) -> Option<LoopShape> {
+) -> Option<LoopPatch> {
     let [tilt_x, tilt_y, stretch, twist] = input.turbulence;
     let [lean_jitter, twist_jitter, length_jitter] = settings.jitter;
     let wanted_length =
@@ -155,7 +157,7 @@ pub fn loop_shape(
     counts.raised += u64::from(lean_kept < angle);
     counts.repaired += u64::from(ratio != settings.top_ratio);
     let sign = input.face.sign();
-    let shape = LoopShape {
+    let shape = LoopPatch {
         axis: frame.axis.as_vec3().into(),
         root_z0: (sign * input.root_heights[0]) as f32,
         half_top: frame.half_top.as_vec3().into(),
@@ -269,15 +271,27 @@ impl Frame {
         [0.5 * self.base_edge + self.half_top, self.axis]
     }
 
-    /// |α| + |β|, where A = 2e − B is αb + βc in the plane of b and c; infinite where b and c are parallel.
     fn skew(&self) -> f64 {
         let [b, c] = self.edges();
-        let area = b.cross(c);
-        let twist = 2.0 * self.half_top - self.base_edge;
-        let (alpha, beta) = (twist.cross(c).dot(area), b.cross(twist).dot(area));
-        let skew = (alpha.abs() + beta.abs()) / area.length_squared();
-        if skew.is_nan() { f64::INFINITY } else { skew }
+        skew(b, c, 2.0 * self.half_top - self.base_edge)
     }
+}
+
+/// |α| + |β|, where A is αb + βc in the plane of b and c; infinite where b and c are parallel.
+fn skew(b: DVec3, c: DVec3, a: DVec3) -> f64 {
+    let area = b.cross(c);
+    let (alpha, beta) = (a.cross(c).dot(area), b.cross(a).dot(area));
+    let skew = (alpha.abs() + beta.abs()) / area.length_squared();
+    if skew.is_nan() { f64::INFINITY } else { skew }
+}
+
+/// Whether a patch is still convex and not degenerate after its numbers were rounded: very short loops beside very long
+/// ones have few digits.
+pub(super) fn is_sound(patch: &LoopPatch, base_width_mm: f32) -> bool {
+    let [b, c, a] = patch.coefficients(base_width_mm);
+    let smallest = DEGENERATE * f64::from(base_width_mm) * c.length();
+    let area = b.cross(c).length();
+    area > 0.0 && area >= 0.5 * smallest && skew(b, c, a) < ROUNDED_SKEW
 }
 
 /// The value nearest to `bad` that is still good, by halving the way from `good`.
@@ -293,7 +307,7 @@ fn last_good(mut good: f64, mut bad: f64, is_good: impl Fn(f64) -> bool) -> f64 
     good
 }
 
-impl LoopShape {
+impl LoopPatch {
     /// The corners P0, P1, P2, P3 relative to the cell's centre, mm.
     pub fn corners(&self, base_width_mm: f32) -> [DVec3; 4] {
         let half = 0.5 * f64::from(base_width_mm);

@@ -103,15 +103,15 @@ pub(super) fn looks(
         let stored = albedo.map(|a| ((a * scale).clamp(0.0, 1.0) * 65535.0).round() as u16);
         (stored, material)
     };
-    let rows: Vec<Vec<LoopLook>> = (0..sheet.wefts)
+    let rows: Vec<Vec<LoopLook>> = (0..loops.sheet_block_rows(sheet))
         .into_par_iter()
         .map_init(
             || ColourCache::new(of_colour),
-            |cache, j| {
+            |cache, row| {
                 if cancel.is_cancelled() {
                     return Vec::new();
                 }
-                let looks = loops.planted_in_row(sheet, j).map(|planted| {
+                let looks = loops.planted_in_block_row(sheet, row).map(|planted| {
                     let [i, j] = planted.cell;
                     // A loop stands only where the chart has a colour.
                     let colour = chart.colour(i as usize, j as usize).unwrap_or_default();

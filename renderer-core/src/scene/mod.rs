@@ -2,8 +2,8 @@
 //!
 //! [`compile`] carries out steps 1 and 2 of the paper's §6: the skeleton with its stitch plan, and the yarn loop
 //! frames. Every part is a [`Section`]; a part whose inputs did not change keeps its `Arc`, and with it the GPU
-//! buffer made from it. All backends read the same records: [`LoopShape`], [`LoopLook`], [`CellHeader`],
-//! [`CellEntry`] and the voxels of [`Volumes`] are the scene, whatever precision a backend computes with.
+//! buffer made from it. All backends read the same records: [`LoopShape`], [`LoopLook`], [`BlockHeader`],
+//! [`BlockEntry`] and the voxels of [`Volumes`] are the scene, whatever precision a backend computes with.
 //!
 //! Geometry of a loop is relative to the centre of its own cell, so that a carpet 10⁵ cells wide looks the same in
 //! its last cell as in its first.
@@ -20,6 +20,7 @@ mod grid;
 mod length;
 mod lights;
 mod looks;
+mod loops;
 mod skeleton;
 mod turbulence;
 mod types;
@@ -35,6 +36,7 @@ pub use frames::{
 };
 pub use grid::PlantedLoop;
 pub use length::{LengthRule, luma};
+pub use loops::*;
 pub use skeleton::Face;
 pub use turbulence::{CHANNELS, TurbulenceField};
 pub use types::*;

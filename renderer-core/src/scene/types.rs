@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 
+use super::Loops;
 use crate::design::{
     EnvironmentImage, Interpolation, Phase, PileKind, SkeletonHeight, SkeletonShading,
 };
@@ -82,25 +83,6 @@ impl SheetGeometry {
     }
 }
 
-/// The bilinear patch of one loop, relative to its cell's centre (x, y) and the sheet's plane (z), mm. 32 bytes.
-///
-/// MODEL.md §4: P0 = (0, −w₀/2, `root_z0`), P1 = (0, +w₀/2, `root_z1`); with the axis C′ = L·d and the half top
-/// edge e, the top corners are P3 = ½(P0+P1) + C′ − e and P2 = ½(P0+P1) + C′ + e. Hence B = P1−P0, A = 2e − B, and in
-/// the middle of the patch b = ∂P/∂u = ½B + e, c = ∂P/∂v = C′. The thickness direction is n̂ = (b × c)/|b × c|.
-/// w₀ is [`Loops::base_width_mm`]. Loops of the back face have root heights and an axis below the sheet.
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-#[repr(C)]
-pub struct LoopShape {
-    /// C′: from the middle of the root to the middle of the top edge, mm.
-    pub axis: [f32; 3],
-    /// World height of P0, mm.
-    pub root_z0: f32,
-    /// e: from the middle of the top edge to P2, mm.
-    pub half_top: [f32; 3],
-    /// World height of P1, mm.
-    pub root_z1: f32,
-}
-
 /// Colour and kind of one loop. 8 bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
@@ -117,113 +99,6 @@ impl LoopLook {
     /// Single-scatter albedo in [0, 1].
     pub fn albedo(&self) -> [f64; 3] {
         self.albedo.map(|a| f64::from(a) / 65535.0)
-    }
-}
-
-/// One cell of the grid. 16 bytes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
-#[repr(C)]
-pub struct CellHeader {
-    /// Index of the cell's first entry in [`Loops::entries`].
-    pub entries_start: u32,
-    /// Number of entries.
-    pub entries_count: u32,
-    /// Index in [`Loops::shapes`] of the first loop planted here (a second one follows it where both faces have loops).
-    /// Meaningful only where a loop is planted here.
-    pub first_loop: u32,
-    /// Lowest (low 16 bits, i16) and highest (high 16 bits, i16) point of any loop inside this cell, in units of
-    /// [`Loops::height_unit_mm`], rounded outwards. Lowest above highest means that no loop reaches the cell.
-    pub z_range: u32,
-}
-
-impl CellHeader {
-    /// Lowest and highest point of any loop in the cell, in height units.
-    pub fn z_units(&self) -> [i16; 2] {
-        [
-            self.z_range as u16 as i16,
-            (self.z_range >> 16) as u16 as i16,
-        ]
-    }
-}
-
-/// One loop that reaches into a cell. 4 bytes, from the lowest bit:
-/// `di` (8 bits, signed) and `dj` (7 bits, signed): the loop's own cell minus this cell; `second` (1 bit): the loop is
-/// the second one of its cell; `z0`, `z1` (8 bits each): lowest and highest point of the loop's part inside this cell,
-/// in 255ths of the cell's own height range, rounded outwards.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
-#[repr(transparent)]
-pub struct CellEntry(pub u32);
-
-impl CellEntry {
-    /// Packs an entry; `di` must be in −128..=127, `dj` in −64..=63.
-    pub fn new(di: i32, dj: i32, second: bool, z0: u8, z1: u8) -> Self {
-        debug_assert!((-128..=127).contains(&di) && (-64..=63).contains(&dj));
-        let (di, dj) = (di as u32 & 0xff, dj as u32 & 0x7f);
-        Self(di | dj << 8 | u32::from(second) << 15 | u32::from(z0) << 16 | u32::from(z1) << 24)
-    }
-
-    /// The loop's own cell minus the cell that lists it.
-    pub fn cell_offset(self) -> [i32; 2] {
-        [(self.0 << 24) as i32 >> 24, (self.0 << 17) as i32 >> 25]
-    }
-
-    /// 1 if the loop is the second one of its cell, else 0.
-    pub fn slot(self) -> u32 {
-        self.0 >> 15 & 1
-    }
-
-    /// Lowest and highest point in 255ths of the cell's height range.
-    pub fn z_steps(self) -> [u32; 2] {
-        [self.0 >> 16 & 0xff, self.0 >> 24]
-    }
-}
-
-/// Shapes of all loops and the grid that finds them.
-///
-/// The grid has a margin of [`Self::margin`] cells around the sheet, for loops that hang over its edge: header index
-/// of cell (i, j) = (j + margin_y)·(warps + 2·margin_x) + i + margin_x.
-#[derive(Debug, Clone)]
-pub struct Loops {
-    /// One shape a loop, ordered by cell (row by row), front before back.
-    pub shapes: Vec<LoopShape>,
-    /// One header a cell, margin included, row by row.
-    pub headers: Vec<CellHeader>,
-    /// Lists of all cells, one behind the other.
-    pub entries: Vec<CellEntry>,
-    /// Width of the grid's margin in cells, along x and y.
-    pub margin: [u32; 2],
-    /// Width of all patches at their roots, w₀, mm.
-    pub base_width_mm: f32,
-    /// Thickness of all patches along n̂, mm.
-    pub thickness_mm: f32,
-    /// Unit of [`CellHeader::z_range`], mm.
-    pub height_unit_mm: f32,
-    /// Lowest and highest point of any loop, mm; [0, 0] when there are none.
-    pub z_range_mm: [f32; 2],
-    /// What compile had to do to some loops.
-    pub counts: LoopCounts,
-}
-
-impl Loops {
-    /// Cells of the grid along x and y, margin included.
-    pub fn grid_size(&self, sheet: &SheetGeometry) -> [u32; 2] {
-        [
-            sheet.warps + 2 * self.margin[0],
-            sheet.wefts + 2 * self.margin[1],
-        ]
-    }
-
-    /// Bytes of loop shapes, looks, lists and bounds for each loop; 0 when there are none.
-    pub fn bytes_per_loop(&self) -> f64 {
-        let bytes = size_of_val(&*self.shapes)
-            + size_of_val(&*self.headers)
-            + size_of_val(&*self.entries)
-            + self.shapes.len() * size_of::<LoopLook>();
-        if self.shapes.is_empty() {
-            0.0
-        } else {
-            bytes as f64 / self.shapes.len() as f64
-        }
     }
 }
 

@@ -85,7 +85,7 @@ pub fn make_uniform(scene: &mut Scene, layers: u32) {
 
 /// The middle of the block's volume and half its size.
 pub fn block_extent(scene: &Scene) -> (DVec3, DVec3) {
-    let shape = &scene.loops.shapes[0];
+    let shape = scene.loops.patch(0);
     let [_, _, length] = shape.axis.map(f64::from);
     let root = f64::from(shape.root_z0);
     (
@@ -176,7 +176,7 @@ pub fn all_loops(scene: &Scene) -> Vec<BruteLoop> {
     let mut found = Vec::new();
     for j in 0..scene.sheet.wefts {
         for planted in loops.planted_in_row(&scene.sheet, j) {
-            let shape = &loops.shapes[planted.index as usize];
+            let shape = loops.patch(planted.index as usize);
             let w0 = f64::from(loops.base_width_mm);
             let p0 = DVec3::new(0.0, -0.5 * w0, f64::from(shape.root_z0));
             let p1 = DVec3::new(0.0, 0.5 * w0, f64::from(shape.root_z1));

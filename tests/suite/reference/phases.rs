@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};
 use renderer_core::design::{Design, Method, Phase, SkeletonDesign, Weave};
-use renderer_core::geometry::{Ray, orthonormal_basis};
 use renderer_core::geometry::main_axis;
+use renderer_core::geometry::{Ray, orthonormal_basis};
 use renderer_core::optics::{Lobe, Optics};
 use renderer_core::reference::Scratch;
 use renderer_core::sampling::Pcg;

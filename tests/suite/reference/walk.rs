@@ -1,17 +1,33 @@
-//! The grid walk: cells in order, without gaps.
+//! The grid walk: blocks and their cells in order, without gaps.
 
 use glam::DVec3;
 use renderer_core::design::Interpolation;
 use renderer_core::geometry::{Interval, Ray, clip_to_box};
-use renderer_core::reference::Grid;
+use renderer_core::reference::{Grid, Span};
+use renderer_core::scene::Scene;
 
 use super::cloth::{Random, wild_towel};
 
+/// Checks that a point is in the block or the cell of a span, `cells` cells wide.
+fn check_within(scene: &Scene, span: &Span, cells: i64, point: DVec3) {
+    let [first, last] = [0, cells - 1].map(|k| {
+        let [i, j] = span.index.map(|index| index * cells + k);
+        scene.sheet.cell_centre(i, j)
+    });
+    let pitch = [scene.sheet.pitch_x_mm, scene.sheet.pitch_y_mm];
+    for axis in 0..2 {
+        let half = 0.5 * pitch[axis] + 1e-12;
+        let range = first[axis] - half..=last[axis] + half;
+        assert!(range.contains(&point[axis]), "{span:?}: {point}");
+    }
+}
+
 #[test]
-fn cells_follow_each_other_without_gaps() {
+fn blocks_and_cells_follow_each_other_without_gaps() {
     let scene = wild_towel(Interpolation::Nearest);
     let grid = Grid::new(&scene.sheet, &scene.loops, None);
     let [low, high] = grid.bounds();
+    let b = i64::from(scene.loops.block_cells);
     let mut random = Random::new(1);
     let mut longest = 0;
     for case in 0..4_000 {
@@ -34,20 +50,29 @@ fn cells_follow_each_other_without_gaps() {
         for pair in spans.windows(2) {
             assert_eq!(pair[0].leave, pair[1].enter);
             let step: i64 = (0..2)
-                .map(|k| (pair[0].cell[k] - pair[1].cell[k]).abs())
+                .map(|k| (pair[0].index[k] - pair[1].index[k]).abs())
                 .sum();
             // Two where the ray passes exactly through a corner.
             assert!((1..=2).contains(&step), "{pair:?}");
         }
         for span in &spans {
             let middle = ray.at(0.5 * (span.enter + span.leave));
-            // Rounding at 40 mm is 10⁻¹⁴; a span shorter than that may lie beside its cell.
-            let [x, y] = scene.sheet.cell_centre(span.cell[0], span.cell[1]);
-            assert!((middle.x - x).abs() <= 0.5 * scene.sheet.pitch_x_mm + 1e-12);
-            assert!((middle.y - y).abs() <= 0.5 * scene.sheet.pitch_y_mm + 1e-12);
+            // Rounding at 40 mm is 10⁻¹⁴; a span shorter than that may lie beside its block.
+            check_within(&scene, span, b, middle);
+            // The cells inside take over from each other in the same way.
+            let cells: Vec<_> = grid.walk_cells(&ray, span).collect();
+            assert_eq!(cells[0].enter, span.enter);
+            assert_eq!(cells[cells.len() - 1].leave, span.leave);
+            for pair in cells.windows(2) {
+                assert_eq!(pair[0].leave, pair[1].enter);
+            }
+            for cell in &cells {
+                assert_eq!(scene.loops.block_of(cell.index), span.index);
+                check_within(&scene, cell, 1, ray.at(0.5 * (cell.enter + cell.leave)));
+            }
         }
     }
-    assert!(longest > 12, "{longest}");
+    assert!(longest > 6, "{longest}");
 }
 
 #[test]
@@ -68,7 +93,7 @@ fn rays_along_borders_and_axes_end() {
             let origin = DVec3::new(corner.x, corner.y, middle_z) - direction * 60.0;
             let ray = Ray { origin, direction };
             let spans = grid.walk(&ray).count();
-            assert!(spans <= 40, "{direction} through {corner}: {spans} cells");
+            assert!(spans <= 40, "{direction} through {corner}: {spans} blocks");
         }
     }
 }

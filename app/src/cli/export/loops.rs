@@ -37,17 +37,17 @@ pub fn records<'s>(
     planted.map(move |planted| {
         let [i, j] = planted.cell;
         let [x, y] = sheet.cell_centre(i64::from(i), i64::from(j));
-        let shape = &loops.shapes[planted.index as usize];
+        let patch = loops.patch(planted.index as usize);
         let look = &scene.looks[planted.index as usize];
         let centre = DVec3::new(x, y, 0.0);
         LoopRecord {
             planted,
-            corners: shape
+            corners: patch
                 .corners(loops.base_width_mm)
                 .map(|corner| centre + corner),
-            normal: shape.normal(loops.base_width_mm),
+            normal: patch.normal(loops.base_width_mm),
             colour: Colour(chart.colour(i as usize, j as usize).unwrap_or_default()),
-            length: DVec3::from_array(shape.axis.map(f64::from)).length(),
+            length: DVec3::from_array(patch.axis.map(f64::from)).length(),
             albedo: look.albedo(),
             variant: look.variant,
         }

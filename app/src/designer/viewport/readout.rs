@@ -76,15 +76,8 @@ impl Readout {
 }
 
 /// Length of the loop that stands on a side of a cell, from its root to the middle of its top, mm.
-fn loop_mm(scene: &Scene, [i, j]: [u32; 2], face: Face) -> Option<f64> {
-    let loops = &scene.loops;
-    let header = loops.header_index(&scene.sheet, i.into(), j.into())?;
-    let header = &loops.headers[header];
-    let own = loops.entries_of(header).iter();
-    let shapes = own
-        .filter(|entry| entry.cell_offset() == [0, 0])
-        .map(|entry| &loops.shapes[(header.first_loop + entry.slot()) as usize]);
-    let mut shapes = shapes.filter(|shape| shape.face() == face);
-    let [x, y, z] = shapes.next()?.axis.map(f64::from);
+fn loop_mm(scene: &Scene, cell: [u32; 2], face: Face) -> Option<f64> {
+    let index = scene.loops.loop_at(cell, face)?;
+    let [x, y, z] = scene.loops.patch(index as usize).axis.map(f64::from);
     Some((x * x + y * y + z * z).sqrt())
 }

@@ -1,0 +1,434 @@
+//! Which blocks each loop reaches, in which quadrants and between which heights.
+//!
+//! Method: bands of block rows in parallel. A band looks at all loops that can reach it, row after row, notes (block, loop,
+//! quadrants, height range), and sorts the notes by block by counting. Heights are found for each quadrant, so that a part
+//! of a loop that is low in one and high in another stays out of the others.
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use rayon::prelude::*;
+
+use super::super::bounds::{Held, Outline, Part, PartOverCells, parts};
+use super::super::skeleton::Face;
+use super::super::{
+    BlockEntry, BlockHeader, Cancel, EntryLayout, EntryParts, LoopCounts, LoopPatch, Loops,
+    SheetGeometry,
+};
+use super::planting::{BlockRow, Planted, Planting, Reach};
+use super::{NoGrid, set_bits};
+
+/// Units of height up to the farthest point; below i16's limit so that rounding outwards fits.
+const HEIGHT_UNITS: f64 = 32_000.0;
+/// Blocks that a band holds at most, to bound the memory for notes.
+const BAND_BLOCKS: usize = 1 << 17;
+/// Most entries of all lists together: 2 GB, about the largest buffer that a device binds.
+pub(in super::super) const MAX_ENTRIES: u64 = 1 << 29;
+
+/// Bins all loops.
+pub(in super::super) fn build(
+    sheet: &SheetGeometry,
+    planted: Planted,
+    cancel: &Cancel<'_>,
+) -> Result<Loops, NoGrid> {
+    let sizes = planted.block_sizes(sheet);
+    let mut planting = Planting::new(sheet, &planted, sizes[0]);
+    let mut rows = planting.rows();
+    let mut reach = reach_of(&rows);
+    for &coarser in &sizes[1..] {
+        if reach.blocks > EntryLayout::FARTHEST {
+            planting.block_cells = coarser;
+            rows = planting.rows();
+            reach = reach_of(&rows);
+        }
+    }
+    cancel.check().map_err(|_| NoGrid::Cancelled)?;
+    if reach.blocks > EntryLayout::FARTHEST {
+        return Err(NoGrid::TooFar(reach.cells));
+    }
+
+    let b = planting.block_cells;
+    let sheet_blocks = [sheet.warps.div_ceil(b), sheet.wefts.div_ceil(b)].map(i64::from);
+    // How far the grid goes beyond the sheet's blocks, before and behind.
+    let beyond = |[first, last]: [i64; 2], count: i64| [(-first).max(0), (last + 1 - count).max(0)];
+    let [left, right] = beyond(reach.columns, sheet_blocks[0]);
+    let [near, far] = beyond(reach.rows, sheet_blocks[1]);
+    let far_z = reach.z[1].max(-reach.z[0]);
+    let height_unit_mm = if far_z > 0.0 {
+        (far_z / HEIGHT_UNITS) as f32
+    } else {
+        1.0
+    };
+
+    let mut first_shape = 0;
+    let homes: Vec<Homes<'_>> = rows
+        .iter()
+        .map(|row| {
+            first_shape += row.shapes.len() as u32;
+            Homes {
+                row,
+                first_shape: first_shape - row.shapes.len() as u32,
+            }
+        })
+        .collect();
+    let binning = Binning {
+        planting: &planting,
+        homes: &homes,
+        layout: EntryLayout::new(b, reach.blocks),
+        dip_mm: reach.dip as f32,
+        left,
+        width: (left + sheet_blocks[0] + right) as usize,
+        height_unit_mm,
+    };
+    let bands = binning.bands(-near..sheet_blocks[1] + far, cancel)?;
+
+    let dropped: u64 = rows.iter().map(|row| row.dropped).sum();
+    let mut headers =
+        Vec::with_capacity(bands.iter().map(|band| band.headers.len()).sum::<usize>() + 1);
+    let mut entries = Vec::with_capacity(bands.iter().map(|band| band.entries.len()).sum());
+    for mut band in bands {
+        let base = entries.len() as u32;
+        for header in &mut band.headers {
+            header.entries_start += base;
+        }
+        headers.append(&mut band.headers);
+        entries.append(&mut band.entries);
+    }
+    let z_range_mm = z_range_mm(&headers, height_unit_mm);
+    headers.push(BlockHeader {
+        entries_start: entries.len() as u32,
+        first_loop: first_shape,
+        ..EMPTY
+    });
+    Ok(Loops {
+        z_range_mm,
+        length_unit_mm: planting.length_unit_mm,
+        headers,
+        entries,
+        entry_layout: binning.layout,
+        block_cells: b,
+        blocks: [binning.width as u32, (near + sheet_blocks[1] + far) as u32],
+        margin: [left as u32, near as u32],
+        base_width_mm: planted.base_width_mm,
+        thickness_mm: planted.thickness_mm,
+        height_unit_mm,
+        dip_mm: binning.dip_mm,
+        counts: LoopCounts {
+            planted: planted.counts.planted - dropped,
+            dropped: planted.counts.dropped + dropped,
+            ..planted.counts
+        },
+        shapes: rows.into_iter().flat_map(|row| row.shapes).collect(),
+    })
+}
+
+fn reach_of(rows: &[BlockRow]) -> Reach {
+    let reach = rows.iter().filter_map(|row| row.reach).reduce(Reach::join);
+    reach.unwrap_or(Reach::NONE)
+}
+
+/// A block without loops.
+const EMPTY: BlockHeader = BlockHeader {
+    entries_start: 0,
+    first_loop: 0,
+    planted: 0,
+    z_range: pack([i16::MAX, i16::MIN]),
+};
+
+const fn pack([low, high]: [i16; 2]) -> u32 {
+    low as u16 as u32 | (high as u16 as u32) << 16
+}
+
+fn z_range_mm(headers: &[BlockHeader], unit_mm: f32) -> [f32; 2] {
+    let ranges = headers.iter().map(BlockHeader::z_units);
+    let range = ranges
+        .filter(|[low, high]| low <= high)
+        .reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+    range.unwrap_or([0, 0]).map(|z| f32::from(z) * unit_mm)
+}
+
+/// The loops of a row of blocks, and where their shapes begin among all.
+struct Homes<'a> {
+    row: &'a BlockRow,
+    first_shape: u32,
+}
+
+/// A loop in a block of the band.
+struct Note {
+    /// Index of the block in the band.
+    block: u32,
+    /// The loop's own block minus this one, along x and y.
+    offset: [i8; 2],
+    place: u8,
+    quadrants: u8,
+    ninths: u16,
+    /// Lowest and highest point, mm, with slack.
+    z: [f32; 2],
+}
+
+/// A loop, its block, and its bit in the block's header.
+struct Home {
+    patch: LoopPatch,
+    home: [i64; 2],
+    place: u32,
+}
+
+/// A loop's part in a block, before it is rounded.
+#[derive(Clone, Copy)]
+struct Reached {
+    quadrants: u16,
+    ninths: u16,
+    z: [f64; 2],
+}
+
+impl Reached {
+    const NOTHING: Self = Self {
+        quadrants: 0,
+        ninths: 0,
+        z: [f64::INFINITY, f64::NEG_INFINITY],
+    };
+}
+
+/// Equal parts of blocks, counted from the first of a loop's own block, in mm from the middle of the loop's own cell.
+struct Subcells {
+    size: [f64; 2],
+    /// Where the middle of the loop's cell is, in subcells.
+    own: [f64; 2],
+    slack: f64,
+}
+
+impl Subcells {
+    /// First and last that a span touches.
+    fn span(&self, axis: usize, low: f64, high: f64) -> [i64; 2] {
+        [low, high].map(|mm| (mm / self.size[axis] + self.own[axis]).floor() as i64)
+    }
+
+    fn middle(&self, index: [i64; 2]) -> [f64; 2] {
+        [0, 1].map(|axis| (index[axis] as f64 + 0.5 - self.own[axis]) * self.size[axis])
+    }
+
+    /// Half the size, with slack.
+    fn half_size(&self) -> [f64; 2] {
+        self.size.map(|mm| 0.5 * mm + self.slack)
+    }
+}
+
+struct Band {
+    headers: Vec<BlockHeader>,
+    entries: Vec<BlockEntry>,
+}
+
+struct Binning<'a> {
+    planting: &'a Planting<'a>,
+    homes: &'a [Homes<'a>],
+    layout: EntryLayout,
+    /// How far loops of one face reach to the other's side, mm.
+    dip_mm: f32,
+    /// Blocks of the grid before the sheet's first, along x.
+    left: i64,
+    /// Blocks in a row of the grid.
+    width: usize,
+    height_unit_mm: f32,
+}
+
+impl Binning<'_> {
+    fn bands(&self, rows: Range<i64>, cancel: &Cancel<'_>) -> Result<Vec<Band>, NoGrid> {
+        let count = (rows.end - rows.start) as usize;
+        // Several bands a thread, so that uneven ones do not leave threads idle.
+        let even = count.div_ceil(4 * rayon::current_num_threads());
+        let height = even.clamp(1, 64).min((BAND_BLOCKS / self.width).max(1));
+        let total = AtomicU64::new(0);
+        let starts: Vec<i64> = rows.clone().step_by(height).collect();
+        let band = |&start: &i64| {
+            cancel.check().map_err(|_| NoGrid::Cancelled)?;
+            let band = self.band(start..(start + height as i64).min(rows.end));
+            let entries = band.entries.len() as u64;
+            let sum = total.fetch_add(entries, Ordering::Relaxed) + entries;
+            (sum <= MAX_ENTRIES)
+                .then_some(band)
+                .ok_or(NoGrid::TooManyEntries)
+        };
+        starts.par_iter().map(band).collect()
+    }
+
+    fn band(&self, rows: Range<i64>) -> Band {
+        let mut headers = vec![EMPTY; (rows.end - rows.start) as usize * self.width];
+        let mut notes = Vec::new();
+        let mut reached = Vec::new();
+        for (y, homes) in (0_i64..).zip(self.homes) {
+            let reaches = |reach: Reach| reach.rows[1] >= rows.start && reach.rows[0] < rows.end;
+            if !homes.row.reach.is_some_and(reaches) {
+                continue;
+            }
+            let mut shapes = homes.row.shapes.iter();
+            let mut first_loop = homes.first_shape;
+            for (x, &planted) in (0_i64..).zip(&homes.row.planted) {
+                if rows.contains(&y) {
+                    let header = &mut headers[self.block_in_band(&rows, [x, y])];
+                    (header.first_loop, header.planted) = (first_loop, planted);
+                }
+                first_loop += planted.count_ones();
+                for (place, shape) in set_bits(planted).zip(shapes.by_ref()) {
+                    let patch = shape.patch(self.planting.length_unit_mm);
+                    let home = [x, y];
+                    self.note_loop(
+                        &rows,
+                        &Home { patch, home, place },
+                        &mut reached,
+                        &mut notes,
+                    );
+                }
+            }
+        }
+        let entries = self.sort(&notes, &mut headers);
+        Band { headers, entries }
+    }
+
+    fn block_in_band(&self, rows: &Range<i64>, [x, y]: [i64; 2]) -> usize {
+        (y - rows.start) as usize * self.width + (x + self.left) as usize
+    }
+
+    /// Adds a note for each block of the band that a loop reaches. `reached` is scratch space.
+    fn note_loop(
+        &self,
+        rows: &Range<i64>,
+        own: &Home,
+        reached: &mut Vec<Reached>,
+        notes: &mut Vec<Note>,
+    ) {
+        let planting = self.planting;
+        let [low, high] = planting.box_of(&own.patch);
+        let blocks = self.subcells(own, 1);
+        let [x0, x1] = blocks.span(0, low.x, high.x);
+        let [y0, y1] = blocks.span(1, low.y, high.y);
+        let (y0, y1) = (
+            y0.max(rows.start - own.home[1]),
+            y1.min(rows.end - 1 - own.home[1]),
+        );
+        if y0 > y1 {
+            return;
+        }
+        let width = (x1 - x0 + 1) as usize;
+        reached.clear();
+        reached.resize(width * (y1 - y0 + 1) as usize, Reached::NOTHING);
+        let (base, thickness) = (
+            planting.planted.base_width_mm,
+            planting.planted.thickness_mm,
+        );
+        // Calls `visit` with a block that is reached, the bit of a subcell in it, and the subcell's middle.
+        let for_subcells = |n: i64, part: &Part, visit: &mut dyn FnMut(usize, u16, [f64; 2])| {
+            let subcells = self.subcells(own, n);
+            let (centre, half) = (part.centre, part.half_size() + planting.slack);
+            let over = |axis: usize, first: i64, last: i64| {
+                let [low, high] =
+                    subcells.span(axis, centre[axis] - half[axis], centre[axis] + half[axis]);
+                low.max(first * n)..=high.min(last * n + n - 1)
+            };
+            for y in over(1, y0, y1) {
+                for x in over(0, x0, x1) {
+                    let block =
+                        (y.div_euclid(n) - y0) as usize * width + (x.div_euclid(n) - x0) as usize;
+                    let bit = 1 << (x.rem_euclid(n) + n * y.rem_euclid(n));
+                    visit(block, bit, subcells.middle([x, y]));
+                }
+            }
+        };
+        for part in parts(&own.patch, base, thickness, Held::Volume) {
+            let over = PartOverCells::new(&part, self.subcells(own, 2).half_size());
+            for_subcells(2, &part, &mut |block, bit, middle| {
+                if let Some([z0, z1]) = over.z_range(middle) {
+                    let reached = &mut reached[block];
+                    reached.quadrants |= bit;
+                    reached.z = [reached.z[0].min(z0), reached.z[1].max(z1)];
+                }
+            });
+        }
+        for part in parts(&own.patch, base, thickness, Held::Patch) {
+            let outline = Outline::new(&part, self.subcells(own, 3).half_size());
+            for_subcells(3, &part, &mut |block, bit, middle| {
+                if reached[block].ninths & bit == 0 && outline.reaches(middle) {
+                    reached[block].ninths |= bit;
+                }
+            });
+        }
+        for (index, reached) in reached.iter().enumerate() {
+            let z = [
+                low.z.max(reached.z[0] - planting.slack),
+                high.z.min(reached.z[1] + planting.slack),
+            ];
+            if z[0] <= z[1] {
+                let (x, y) = (x0 + (index % width) as i64, y0 + (index / width) as i64);
+                notes.push(Note {
+                    block: self.block_in_band(rows, [own.home[0] + x, own.home[1] + y]) as u32,
+                    offset: [-x as i8, -y as i8],
+                    place: own.place as u8,
+                    quadrants: reached.quadrants as u8,
+                    ninths: reached.ninths,
+                    z: z.map(|z| z as f32),
+                });
+            }
+        }
+    }
+
+    /// The subcells of blocks as a loop sees them, n along each side of a block.
+    fn subcells(&self, own: &Home, n: i64) -> Subcells {
+        let b = self.planting.block_cells;
+        let pitch = [
+            self.planting.sheet.pitch_x_mm,
+            self.planting.sheet.pitch_y_mm,
+        ];
+        let cells = f64::from(b) / n as f64;
+        let own_cell = [own.place / 2 % b, own.place / 2 / b].map(f64::from);
+        Subcells {
+            size: pitch.map(|mm| cells * mm),
+            own: own_cell.map(|cell| (cell + 0.5) / cells),
+            slack: self.planting.slack,
+        }
+    }
+
+    /// Sorts notes by block, keeping their order within one; fills the headers' lists and height ranges.
+    fn sort(&self, notes: &[Note], headers: &mut [BlockHeader]) -> Vec<BlockEntry> {
+        let unit = f64::from(self.height_unit_mm);
+        let mut counts = vec![0_u32; headers.len()];
+        let mut ranges = vec![[i16::MAX, i16::MIN]; headers.len()];
+        for note in notes {
+            let block = note.block as usize;
+            counts[block] += 1;
+            let [low, high] = note.z.map(|z| f64::from(z) / unit);
+            let range = &mut ranges[block];
+            *range = [
+                range[0].min(low.floor() as i16),
+                range[1].max(high.ceil() as i16),
+            ];
+        }
+        let mut start = 0;
+        for ((header, count), &range) in headers.iter_mut().zip(&mut counts).zip(&ranges) {
+            header.entries_start = start;
+            header.z_range = pack(range);
+            start += *count;
+            // From here on, where the block's next entry goes.
+            *count = header.entries_start;
+        }
+        let mut entries = vec![BlockEntry(0); notes.len()];
+        for note in notes {
+            let block = note.block as usize;
+            let face = Face::of_place(note.place.into());
+            let [low, high] = headers[block].heights_of(self.height_unit_mm, self.dip_mm, face);
+            let steps = f64::from(self.layout.height_steps());
+            let [z0, z1] = note
+                .z
+                .map(|z| (f64::from(z) - low) / (high - low).max(unit) * steps);
+            let last = steps - 1.0;
+            let next = &mut counts[block];
+            entries[*next as usize] = self.layout.pack(EntryParts {
+                offset: note.offset.map(i32::from),
+                place: note.place.into(),
+                quadrants: note.quadrants.into(),
+                ninths: note.ninths.into(),
+                heights: [z0.floor(), z1.ceil() - 1.0].map(|z| z.clamp(0.0, last) as u32),
+            });
+            *next += 1;
+        }
+        entries
+    }
+}

@@ -155,29 +155,48 @@ fn trace_path(camera_ray: Ray, film: vec4<f32>, seed: u32, sample: u32) -> Path 
 
 @compute @workgroup_size(WORKGROUP)
 fn trace_main(@builtin(global_invocation_id) id: vec3<u32>) {
-    let tile = slice.first_tile + id.x / slice.pixels_per_tile;
+    let drawn_tile = slice.first_tile + id.x / slice.pixels_per_tile;
+    if drawn_tile >= slice.end_tile {
+        return;
+    }
+    let tile = u32(ray_tiles[drawn_tile].cell.z);
     let in_tile = pixel_of_rank(id.x % slice.pixels_per_tile);
     let in_picture = tile_corner(tile) + in_tile;
-    if tile >= slice.end_tile || any(in_picture >= slice.size) {
+    if any(in_picture >= slice.size) {
         return;
     }
     let seed = pixel_seed(slice.seed, slice.corner + in_picture);
+    // Sums are read and written once, whatever the number of samples.
     let first_sum = sum_index(tile, in_tile);
+    var colour = sums[first_sum + SUM_COLOUR];
+    var signed = sums[first_sum + SUM_SIGNED];
+    var normal_depth = vec4<f32>();
+    var albedo = vec4<f32>();
+    if AOV {
+        normal_depth = sums[first_sum + SUM_NORMAL];
+        albedo = sums[first_sum + SUM_ALBEDO];
+    }
     for (var sample = slice.first_sample; sample < slice.end_sample; sample++) {
         let film = sample_set(seed, sample, SET_FILM);
         // Tiles' reference points are their centres.
-        let camera = camera_ray(tile, vec2<f32>(in_tile) - 0.5 * f32(TILE), film.xy);
+        let camera = camera_ray(drawn_tile, vec2<f32>(in_tile) - 0.5 * f32(TILE), film.xy);
         let path = trace_path(camera.ray, film, seed, sample);
         let met = path.first.what != NOTHING;
-        sums[first_sum + SUM_COLOUR] += vec4<f32>(path.radiance, f32(met));
+        colour += vec4<f32>(path.radiance, f32(met));
         let signed_sum = dot(path.radiance, channel_signs(in_tile));
         let scramble = vec4<u32>(sample % SCRAMBLES) == vec4<u32>(0u, 1u, 2u, 3u);
-        sums[first_sum + SUM_SIGNED] += select(vec4<f32>(), vec4<f32>(signed_sum), scramble);
+        signed += select(vec4<f32>(), vec4<f32>(signed_sum), scramble);
         if AOV && met {
             let facing = select(-1.0, 1.0, dot(path.first.normal, camera.ray.direction) <= 0.0) * path.first.normal;
-            sums[first_sum + SUM_NORMAL] += vec4<f32>(facing, camera.from_eye + path.first.t);
-            sums[first_sum + SUM_ALBEDO] += vec4<f32>(path.first.albedo, 1.0);
+            normal_depth += vec4<f32>(facing, camera.from_eye + path.first.t);
+            albedo += vec4<f32>(path.first.albedo, 1.0);
         }
+    }
+    sums[first_sum + SUM_COLOUR] = colour;
+    sums[first_sum + SUM_SIGNED] = signed;
+    if AOV {
+        sums[first_sum + SUM_NORMAL] = normal_depth;
+        sums[first_sum + SUM_ALBEDO] = albedo;
     }
     if COUNTERS {
         add_total(COUNT_RAYS, count_rays);
@@ -186,5 +205,7 @@ fn trace_main(@builtin(global_invocation_id) id: vec3<u32>) {
         add_total(COUNT_PATCH_TESTS, count_patch_tests);
         add_total(COUNT_VOLUME_SAMPLES, count_volume_samples);
         add_total(COUNT_CONTRIBUTING_HITS, count_contributing_hits);
+        add_total(COUNT_ENDED_RAYS, count_ended_rays);
+        add_total(COUNT_HIDDEN_RAYS, count_hidden_rays);
     }
 }

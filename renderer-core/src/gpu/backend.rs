@@ -5,9 +5,10 @@ use std::time::{Duration, Instant};
 
 use crate::design::{Method, ToneMap};
 use crate::image::{Display, Picture};
-use crate::render::progressive::{FEWEST_FOR_ERROR, check_size};
+use crate::render::convergence::{PixelErrors, is_decision};
+use crate::render::progressive::check_size;
 use crate::render::{
-    Backend, BackendKind, Counters, MAX_SIDE, Progress, RenderError, RenderRequest,
+    Backend, BackendKind, Counters, MAX_SIDE, Progress, RenderError, RenderRequest, Skip,
 };
 
 use super::GpuContext;
@@ -16,7 +17,7 @@ use super::layout::{TONE_FILMIC, TONE_NONE};
 use super::needs::SceneNeeds;
 use super::pipelines::{Pipelines, binding};
 use super::readback::{self, dispatch, entry, slice_buffer};
-use super::schedule::{Job, Pace, Schedule};
+use super::schedule::{Drawn, Job, Pace, Schedule};
 use super::upload::SceneBuffers;
 
 /// Longest dispatch to aim for: what shares the device with us, a desktop perhaps, waits no longer.
@@ -124,7 +125,7 @@ impl GpuBackend {
                 context.guarded(|| {
                     let workgroups = tiles.len() as u32 * 4;
                     let mut slice = work.accumulation.slice(&work.request, buffer, tiles);
-                    readback::show(&mut slice, work.schedule.drawn());
+                    readback::show(&mut slice, work.drawn());
                     slice.exposure_scale = display.exposure.exp2() as f32;
                     slice.tone_map = match display.tone_map {
                         ToneMap::None => TONE_NONE,
@@ -135,6 +136,7 @@ impl GpuBackend {
                     let entries = [
                         entry(binding::SUMS, &buffer.buffer),
                         entry(binding::SLICE, &slice),
+                        entry(binding::TILE_ENDS, &work.accumulation.tile_ends),
                         wgpu::BindGroupEntry {
                             binding: binding::DISPLAY,
                             resource: wgpu::BindingResource::TextureView(&view),
@@ -150,8 +152,13 @@ impl GpuBackend {
 }
 
 impl Work {
-    /// True if `request` is the same picture, so that only targets differ.
+    /// True if `request` is the same picture, so that only targets differ, and no tile has ended by another one.
     fn is_same_picture(&self, request: &RenderRequest) -> bool {
+        if request.settings.error != self.request.settings.error
+            && self.accumulation.has_converged_tiles()
+        {
+            return false;
+        }
         let mut same = request.clone();
         same.settings.samples = self.request.settings.samples;
         same.settings.error = self.request.settings.error;
@@ -168,12 +175,55 @@ impl Work {
             .error_estimate
             .is_some_and(|error| settings.error > 0.0 && error <= settings.error);
         samples >= settings.samples
-            || (precise && samples.is_power_of_two() && samples >= FEWEST_FOR_ERROR)
+            || (precise && is_decision(samples))
+            || self.accumulation.drawn_count() == 0
+    }
+
+    /// Samples of the pixels that are drawn, or that would be if there were any.
+    fn samples(&self) -> u32 {
+        if self.accumulation.is_background() {
+            return self.request.settings.samples;
+        }
+        self.schedule.samples()
+    }
+
+    /// Which samples the tiles of the picture have.
+    fn drawn(&self) -> Drawn {
+        let drawn = self.schedule.drawn();
+        Drawn {
+            split_tile: self.accumulation.tile_at(drawn.split_tile),
+            ..drawn
+        }
+    }
+
+    /// Estimates the error, and ends the tiles that need no more samples.
+    fn estimate(
+        &mut self,
+        context: &GpuContext,
+        pipelines: &mut Pipelines,
+    ) -> Result<(), RenderError> {
+        let samples = self.schedule.samples();
+        let (accumulation, request) = (&mut self.accumulation, &self.request);
+        let errors = readback::tile_errors(context, pipelines, accumulation, request, samples)?;
+        let mut whole = PixelErrors::default();
+        for tile in &errors {
+            whole += *tile;
+        }
+        self.error_estimate = Some(whole.relative());
+        let target = request.settings.error;
+        let may_end = target > 0.0 && request.settings.skips.has(Skip::ConvergedTiles);
+        if may_end && is_decision(samples) {
+            let is_done = |tile: &PixelErrors| tile.have_converged(&whole, target);
+            if accumulation.end_tiles(context, request, samples, &errors, is_done)? {
+                self.schedule.set_tiles(accumulation.drawn_count());
+            }
+        }
+        Ok(())
     }
 
     fn progress(&self) -> Progress {
         Progress {
-            samples: self.schedule.samples(),
+            samples: self.samples(),
             error_estimate: self.error_estimate,
             done: self.is_done(),
         }
@@ -187,7 +237,7 @@ impl Work {
         scene: &SceneBuffers,
         job: &Job,
     ) -> Result<(), RenderError> {
-        let buffer = self.accumulation.buffer_of(job.tiles.start);
+        let (buffer, _) = self.accumulation.buffer_of(job.tiles.start);
         let mut slice = self
             .accumulation
             .slice(&self.request, buffer, job.tiles.clone());
@@ -257,9 +307,9 @@ impl Backend for GpuBackend {
         self.work = Some(Work {
             request: request.clone(),
             needs,
-            schedule: Schedule::new(accumulation.tile_count()),
+            schedule: Schedule::new(accumulation.drawn_count()),
+            error_estimate: accumulation.is_background().then_some(0.0),
             accumulation,
-            error_estimate: None,
         });
         Ok(())
     }
@@ -276,7 +326,7 @@ impl Backend for GpuBackend {
             let left = slice.saturating_sub(start.elapsed());
             let paths = self.pace.paths_in(left.min(LONGEST_DISPATCH));
             let accumulation = &work.accumulation;
-            let buffer_end = |tile| accumulation.buffer_of(tile).tiles.end;
+            let buffer_end = |place| accumulation.buffer_of(place).1;
             let job = work
                 .schedule
                 .next(paths, work.request.settings.samples, buffer_end);
@@ -285,13 +335,7 @@ impl Backend for GpuBackend {
             self.pace.learn(job.paths(), begun.elapsed());
             let samples = work.schedule.samples();
             if work.schedule.is_between_passes() && samples > 0 && samples.is_multiple_of(4) {
-                work.error_estimate = Some(readback::error_estimate(
-                    &self.context,
-                    &mut self.pipelines,
-                    &work.accumulation,
-                    &work.request,
-                    samples,
-                )?);
+                work.estimate(&self.context, &mut self.pipelines)?;
             }
             if start.elapsed() >= slice {
                 break;
@@ -308,7 +352,7 @@ impl Backend for GpuBackend {
                 &mut self.pipelines,
                 &work.accumulation,
                 &work.request,
-                work.schedule.drawn(),
+                work.drawn(),
             ),
         }
     }
@@ -316,7 +360,9 @@ impl Backend for GpuBackend {
     fn counters(&mut self) -> Result<Counters, RenderError> {
         match &self.work {
             Some(work) if work.request.settings.counters => {
-                readback::counters(&self.context, &work.accumulation)
+                let mut counters = readback::counters(&self.context, &work.accumulation)?;
+                counters += work.accumulation.left_out(work.samples());
+                Ok(counters)
             }
             _ => Ok(Counters::default()),
         }

@@ -1,7 +1,7 @@
 //! What a picture needs of the shaders: the values of their `override` constants. Pipelines are cached by it.
 
 use crate::design::{Interpolation, Method, Phase, Sampler, SkeletonHeight, SkeletonShading};
-use crate::render::Settings;
+use crate::render::{Settings, Skip};
 use crate::scene::{Scene, Sky};
 
 use super::layout;
@@ -43,6 +43,10 @@ pub struct SceneNeeds {
     pub counters: bool,
     /// Voxels are filtered in f32.
     pub filter_f32: bool,
+    /// Shadow rays end where hardly any light comes through.
+    pub opaque_rays: bool,
+    /// Ground yarns are looked for only where pile lets something through.
+    pub hidden_ground: bool,
 }
 
 impl SceneNeeds {
@@ -71,6 +75,8 @@ impl SceneNeeds {
             aov: settings.aov,
             counters: settings.counters,
             filter_f32,
+            opaque_rays: settings.skips.has(Skip::OpaqueRays),
+            hidden_ground: settings.skips.has(Skip::HiddenGround),
         }
     }
 
@@ -118,6 +124,8 @@ impl SceneNeeds {
             flag("AOV", self.aov),
             flag("COUNTERS", self.counters),
             flag("FILTER_F32", self.filter_f32),
+            flag("OPAQUE_RAYS", self.opaque_rays),
+            flag("HIDDEN_GROUND", self.hidden_ground),
         ]
     }
 }

@@ -26,6 +26,8 @@ pub mod binding {
     pub const LINEAR: u32 = 5;
     /// Errors of tiles to read back.
     pub const TILE_ERRORS: u32 = 6;
+    /// Where tiles ended.
+    pub const TILE_ENDS: u32 = 7;
 }
 
 /// A program and the layouts of its bindings.
@@ -186,6 +188,7 @@ impl Pipelines {
         })?;
         let sums = storage(binding::SUMS, false);
         let slice = uniform(binding::SLICE, size_of::<Slice>());
+        let ends = storage(binding::TILE_ENDS, true);
         let display = other(
             binding::DISPLAY,
             wgpu::BindingType::StorageTexture {
@@ -206,16 +209,16 @@ impl Pipelines {
                     storage(binding::TOTALS, false),
                 ],
             )?,
-            display: program(RESOLVE, None, &[sums, slice, display])?,
+            display: program(RESOLVE, None, &[sums, slice, ends, display])?,
             linear: program(
                 RESOLVE,
                 None,
-                &[sums, slice, storage(binding::LINEAR, false)],
+                &[sums, slice, ends, storage(binding::LINEAR, false)],
             )?,
             error: program(
                 ERROR,
                 None,
-                &[sums, slice, storage(binding::TILE_ERRORS, false)],
+                &[sums, slice, ends, storage(binding::TILE_ERRORS, false)],
             )?,
             scene_layout,
             traces: HashMap::new(),

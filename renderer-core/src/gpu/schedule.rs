@@ -2,7 +2,8 @@
 //!
 //! The first sample comes as five passes over all tiles, on ever finer lattices of pixels, so that a coarse whole
 //! picture is there at once (as on the CPU). Later passes add one or more whole samples. A pass never goes beyond the
-//! next power of two of samples: there the error is looked at (MODEL.md §10).
+//! next power of two of samples: there the error is looked at, and tiles may end (MODEL.md §10). Tiles are counted here
+//! among those that are drawn.
 
 use std::ops::Range;
 use std::time::Duration;
@@ -47,7 +48,7 @@ impl Job {
 /// Which samples and lattices the tiles before and after a point have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Drawn {
-    /// The tile at which it changes.
+    /// The tile at which it changes, as the schedule counts them.
     pub split_tile: u32,
     /// Samples and lattice before it.
     pub before: (u32, u32),
@@ -78,6 +79,11 @@ impl Schedule {
             pass_end: 1,
             next_tile: 0,
         }
+    }
+
+    /// Goes on with fewer tiles; only between passes.
+    pub fn set_tiles(&mut self, tiles: u32) {
+        self.tiles = tiles;
     }
 
     /// Whole samples of every pixel.

@@ -5,10 +5,13 @@
 //! part of it.
 
 pub mod accumulation;
+mod background;
 mod camera;
+pub mod convergence;
 pub mod progressive;
 mod skips;
 
+pub use background::{background_tiles, cloth_box, z_range_mm};
 pub use camera::{Camera, Projection, RayTile};
 pub use skips::{Skip, Skips};
 
@@ -109,9 +112,12 @@ impl Settings {
 /// Where a picture stands.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Progress {
-    /// Whole samples of every pixel so far. While 0, [`Backend::picture`] may be coarse.
+    /// Whole samples so far of every pixel that is still drawn. Pixels of tiles that have converged have fewer, and those of
+    /// tiles that show background alone need none; where a whole picture is background, this is the number asked
+    /// for. While 0, [`Backend::picture`] may be coarse.
     pub samples: u32,
-    /// Estimated relRMSE (MODEL.md §11) of the mean so far, from the spread of four independent scrambles; `None` below 4 samples.
+    /// Estimated relRMSE (MODEL.md §11) of the mean so far, all pixels included whatever their number of samples, from the
+    /// spread of four independent scrambles; `None` below 4 samples.
     pub error_estimate: Option<f64>,
     /// True when nothing is left to do.
     pub done: bool,

@@ -44,6 +44,8 @@ struct Work {
     accumulation: Accumulation,
     schedule: Schedule,
     error_estimate: Option<f64>,
+    /// What draws it, once that is made.
+    pipeline: Option<wgpu::ComputePipeline>,
 }
 
 impl GpuBackend {
@@ -233,7 +235,7 @@ impl Work {
     fn draw(
         &mut self,
         context: &GpuContext,
-        pipelines: &mut Pipelines,
+        (pipeline, layout): (&wgpu::ComputePipeline, &wgpu::BindGroupLayout),
         scene: &SceneBuffers,
         job: &Job,
     ) -> Result<(), RenderError> {
@@ -245,7 +247,6 @@ impl Work {
         slice.end_sample = job.samples.end;
         slice.stride = job.stride;
         slice.pixels_per_tile = job.pixels_per_tile();
-        let (pipeline, layout) = pipelines.trace(context, self.needs)?;
         let encoder = context.guarded(|| {
             let slice = slice_buffer(context, &slice);
             let group = context
@@ -285,6 +286,24 @@ impl Backend for GpuBackend {
     }
 
     fn begin(&mut self, request: &RenderRequest) -> Result<(), RenderError> {
+        self.begin_soon(request)?;
+        let (Some(work), Some(scene)) = (&mut self.work, &self.scene) else {
+            return Ok(());
+        };
+        if work.pipeline.is_none() {
+            let (start, never) = (Instant::now(), AtomicBool::new(false));
+            let made = self
+                .pipelines
+                .trace
+                .wait(work.needs, &scene.group, None, &never);
+            self.pipeline_time = start.elapsed();
+            work.pipeline = made?;
+        }
+        Ok(())
+    }
+
+    fn begin_soon(&mut self, request: &RenderRequest) -> Result<(), RenderError> {
+        self.pipeline_time = Duration::ZERO;
         if let Some(work) = &mut self.work
             && work.is_same_picture(request)
         {
@@ -298,18 +317,23 @@ impl Backend for GpuBackend {
         let before = self.work.take().map(|work| work.accumulation);
         let old = self.scene.as_ref();
         let scene = SceneBuffers::new(&self.context, &self.pipelines, &request.scene, old)?;
-        self.scene = Some(scene);
-        let accumulation = Accumulation::new(&self.context, request, before)?;
+        let accumulation = match Accumulation::new(&self.context, request, before) {
+            Ok(accumulation) => accumulation,
+            Err(error) => {
+                self.scene = Some(scene);
+                return Err(error);
+            }
+        };
         let needs = SceneNeeds::new(&request.scene, &request.settings, self.filter_f32);
-        let start = Instant::now();
-        self.pipelines.trace(&self.context, needs)?;
-        self.pipeline_time = start.elapsed();
+        let pipeline = self.pipelines.trace.get(needs, &scene.group)?;
+        self.scene = Some(scene);
         self.work = Some(Work {
             request: request.clone(),
             needs,
             schedule: Schedule::new(accumulation.drawn_count()),
             error_estimate: accumulation.is_background().then_some(0.0),
             accumulation,
+            pipeline,
         });
         Ok(())
     }
@@ -322,6 +346,14 @@ impl Backend for GpuBackend {
             });
         };
         let start = Instant::now();
+        if work.pipeline.is_none() {
+            let deadline = start.checked_add(slice);
+            let trace = &self.pipelines.trace;
+            work.pipeline = trace.wait(work.needs, &scene.group, deadline, cancel)?;
+        }
+        let Some(pipeline) = work.pipeline.clone() else {
+            return Ok(work.progress());
+        };
         while !work.is_done() && !cancel.load(Ordering::Relaxed) {
             let left = slice.saturating_sub(start.elapsed());
             let paths = self.pace.paths_in(left.min(LONGEST_DISPATCH));
@@ -331,7 +363,8 @@ impl Backend for GpuBackend {
                 .schedule
                 .next(paths, work.request.settings.samples, buffer_end);
             let begun = Instant::now();
-            work.draw(&self.context, &mut self.pipelines, scene, &job)?;
+            let layout = self.pipelines.trace.group();
+            work.draw(&self.context, (&pipeline, layout), scene, &job)?;
             self.pace.learn(job.paths(), begun.elapsed());
             let samples = work.schedule.samples();
             if work.schedule.is_between_passes() && samples > 0 && samples.is_multiple_of(4) {
@@ -342,6 +375,16 @@ impl Backend for GpuBackend {
             }
         }
         Ok(work.progress())
+    }
+
+    fn is_ready(&mut self) -> Result<bool, RenderError> {
+        let (Some(work), Some(scene)) = (&mut self.work, &self.scene) else {
+            return Ok(true);
+        };
+        if work.pipeline.is_none() {
+            work.pipeline = self.pipelines.trace.get(work.needs, &scene.group)?;
+        }
+        Ok(work.pipeline.is_some())
     }
 
     fn picture(&mut self) -> Result<Picture, RenderError> {

@@ -52,18 +52,24 @@ pub struct SceneNeeds {
 impl SceneNeeds {
     /// What `scene` drawn with `settings` needs.
     pub fn new(scene: &Scene, settings: &Settings, filter_f32: bool) -> Self {
-        let environment = scene.lights.environment.iter().any(|&c| c > 0.0);
+        // What the scene's numbers turn off as well, so that it need not be left out.
+        let every = !settings.skips.has(Skip::UnusedShading);
+        let environment = every || scene.lights.environment.iter().any(|&c| c > 0.0);
         Self {
             method: settings.method,
             phase: scene.pile.phase,
-            long_paths: settings.closing_bounce().unwrap_or(settings.bounces) > 1,
-            closing: settings.closing_bounce().is_some(),
+            long_paths: every || settings.closing_bounce().unwrap_or(settings.bounces) > 1,
+            closing: every || settings.closing_bounce().is_some(),
             linear_layers: scene.volumes.interpolation == Interpolation::Linear,
             layers: scene.volumes.layers,
             root_blend: scene.volumes.root_blend > 0.0,
             skeleton: scene.skeleton.visible.then_some(scene.skeleton.height),
             shading: scene.skeleton.shading,
-            suns: scene.lights.suns.len() as u32,
+            suns: if every {
+                layout::MAX_SUNS
+            } else {
+                scene.lights.suns.len() as u32
+            },
             shadows: settings.shadows,
             owen: settings.sampler == Sampler::Owen,
             environment,

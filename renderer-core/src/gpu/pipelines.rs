@@ -1,4 +1,4 @@
-//! Compute pipelines, made when first needed and kept.
+//! The programs and their pipelines, made when first needed and kept.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -6,8 +6,9 @@ use std::collections::hash_map::Entry;
 use crate::render::RenderError;
 
 use super::GpuContext;
+use super::builder::Builder;
+use super::kept::KeptPipelines;
 use super::layout::{SceneConstants, Slice};
-use super::needs::SceneNeeds;
 use super::shaders::{Composed, ERROR, Part, RESOLVE, TRACE};
 
 /// Bindings of group 1; group 0 is the scene's.
@@ -32,10 +33,11 @@ pub mod binding {
 
 /// A program and the layouts of its bindings.
 #[derive(Debug)]
-struct Program {
+pub struct Program {
     module: wgpu::ShaderModule,
     layout: wgpu::PipelineLayout,
-    group: wgpu::BindGroupLayout,
+    /// Layout of group 1.
+    pub group: wgpu::BindGroupLayout,
 }
 
 /// All pipelines of a device.
@@ -43,11 +45,11 @@ struct Program {
 pub struct Pipelines {
     /// Layout of group 0 of the tracing program.
     pub scene_layout: wgpu::BindGroupLayout,
-    trace: Program,
+    /// Makes the pipelines that add samples.
+    pub trace: Builder,
     display: Program,
     linear: Program,
     error: Program,
-    traces: HashMap<SceneNeeds, wgpu::ComputePipeline>,
     /// Keyed by AOV.
     displays: HashMap<bool, wgpu::ComputePipeline>,
     linears: HashMap<bool, wgpu::ComputePipeline>,
@@ -134,7 +136,8 @@ impl Program {
         })
     }
 
-    fn pipeline(
+    /// A pipeline with these values of its `override` constants.
+    pub fn pipeline(
         &self,
         context: &GpuContext,
         entry_point: &str,
@@ -152,7 +155,7 @@ impl Program {
                         constants,
                         ..Default::default()
                     },
-                    cache: None,
+                    cache: context.kept.as_deref().map(KeptPipelines::cache),
                 })
         })
     }
@@ -198,17 +201,18 @@ impl Pipelines {
             },
         );
         let program = |parts, scene, entries: &[_]| Program::new(context, parts, scene, entries);
+        let trace = program(
+            TRACE,
+            Some(&scene_layout),
+            &[
+                storage(binding::RAY_TILES, true),
+                sums,
+                slice,
+                storage(binding::TOTALS, false),
+            ],
+        )?;
         Ok(Self {
-            trace: program(
-                TRACE,
-                Some(&scene_layout),
-                &[
-                    storage(binding::RAY_TILES, true),
-                    sums,
-                    slice,
-                    storage(binding::TOTALS, false),
-                ],
-            )?,
+            trace: Builder::new(context, trace)?,
             display: program(RESOLVE, None, &[sums, slice, ends, display])?,
             linear: program(
                 RESOLVE,
@@ -221,24 +225,10 @@ impl Pipelines {
                 &[sums, slice, ends, storage(binding::TILE_ERRORS, false)],
             )?,
             scene_layout,
-            traces: HashMap::new(),
             displays: HashMap::new(),
             linears: HashMap::new(),
             errors: HashMap::new(),
         })
-    }
-
-    /// The pipeline that adds samples, and the layout of its group 1.
-    pub fn trace(&mut self, context: &GpuContext, needs: SceneNeeds) -> Made<'_> {
-        let pipeline = match self.traces.entry(needs) {
-            Entry::Occupied(made) => made.into_mut(),
-            Entry::Vacant(place) => place.insert(self.trace.pipeline(
-                context,
-                "trace_main",
-                &needs.constants(),
-            )?),
-        };
-        Ok((pipeline, &self.trace.group))
     }
 
     /// The pipeline that fills the display texture.

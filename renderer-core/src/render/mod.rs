@@ -236,6 +236,23 @@ pub trait Backend: Send {
     /// When the request is beyond the device.
     fn begin(&mut self, request: &RenderRequest) -> Result<(), RenderError>;
 
+    /// The same, but does not wait for what a device has to make first, such as compiled shaders: until [`Self::is_ready`]
+    /// nothing is drawn, and [`Self::advance`] only waits.
+    ///
+    /// # Errors
+    /// When the request is beyond the device.
+    fn begin_soon(&mut self, request: &RenderRequest) -> Result<(), RenderError> {
+        self.begin(request)
+    }
+
+    /// Whether the picture begun can be drawn.
+    ///
+    /// # Errors
+    /// When what it needs could not be made.
+    fn is_ready(&mut self) -> Result<bool, RenderError> {
+        Ok(true)
+    }
+
     /// Works for about `slice`, or until done or `cancel` is true.
     ///
     /// # Errors

@@ -153,21 +153,44 @@ fn trace_path(camera_ray: Ray, film: vec4<f32>, seed: u32, sample: u32) -> Path 
     return path;
 }
 
+// The pixel that a thread works on.
+struct Place {
+    // False for threads beyond the tiles or the picture.
+    is_inside: bool,
+    // Its tile's place among those that are drawn.
+    drawn_tile: u32,
+    in_tile: vec2<u32>,
+    seed: u32,
+    first_sum: u32,
+}
+
+fn place_of(thread: u32) -> Place {
+    let drawn_tile = slice.first_tile + thread / slice.pixels_per_tile;
+    let in_tile = pixel_of_rank(thread % slice.pixels_per_tile);
+    let tile = u32(ray_tiles[min(drawn_tile, slice.end_tile - 1u)].cell.z);
+    let in_picture = tile_corner(tile) + in_tile;
+    return Place(
+        drawn_tile < slice.end_tile && all(in_picture < slice.size),
+        drawn_tile,
+        in_tile,
+        pixel_seed(slice.seed, slice.corner + in_picture),
+        sum_index(tile, in_tile),
+    );
+}
+
+fn film_ray(place: Place, film: vec2<f32>) -> CameraRay {
+    // Tiles' reference points are their centres.
+    return camera_ray(place.drawn_tile, vec2<f32>(place.in_tile) - 0.5 * f32(TILE), film);
+}
+
 @compute @workgroup_size(WORKGROUP)
 fn trace_main(@builtin(global_invocation_id) id: vec3<u32>) {
-    let drawn_tile = slice.first_tile + id.x / slice.pixels_per_tile;
-    if drawn_tile >= slice.end_tile {
+    let place = place_of(id.x);
+    if !place.is_inside {
         return;
     }
-    let tile = u32(ray_tiles[drawn_tile].cell.z);
-    let in_tile = pixel_of_rank(id.x % slice.pixels_per_tile);
-    let in_picture = tile_corner(tile) + in_tile;
-    if any(in_picture >= slice.size) {
-        return;
-    }
-    let seed = pixel_seed(slice.seed, slice.corner + in_picture);
     // Sums are read and written once, whatever the number of samples.
-    let first_sum = sum_index(tile, in_tile);
+    let first_sum = place.first_sum;
     var colour = sums[first_sum + SUM_COLOUR];
     var signed = sums[first_sum + SUM_SIGNED];
     var normal_depth = vec4<f32>();
@@ -177,13 +200,12 @@ fn trace_main(@builtin(global_invocation_id) id: vec3<u32>) {
         albedo = sums[first_sum + SUM_ALBEDO];
     }
     for (var sample = slice.first_sample; sample < slice.end_sample; sample++) {
-        let film = sample_set(seed, sample, SET_FILM);
-        // Tiles' reference points are their centres.
-        let camera = camera_ray(drawn_tile, vec2<f32>(in_tile) - 0.5 * f32(TILE), film.xy);
-        let path = trace_path(camera.ray, film, seed, sample);
+        let film = sample_set(place.seed, sample, SET_FILM);
+        let camera = film_ray(place, film.xy);
+        let path = trace_path(camera.ray, film, place.seed, sample);
         let met = path.first.what != NOTHING;
         colour += vec4<f32>(path.radiance, f32(met));
-        let signed_sum = dot(path.radiance, channel_signs(in_tile));
+        let signed_sum = dot(path.radiance, channel_signs(place.in_tile));
         let scramble = vec4<u32>(sample % SCRAMBLES) == vec4<u32>(0u, 1u, 2u, 3u);
         signed += select(vec4<f32>(), vec4<f32>(signed_sum), scramble);
         if AOV && met {

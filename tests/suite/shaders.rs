@@ -93,6 +93,7 @@ fn the_tracing_program_is_valid_for_every_combination_of_needs() {
             specialise(&module, "trace_main", &needs.constants());
         }
     }
+    specialise(&module, "bare_main", &all_needs()[0].constants());
 }
 
 #[test]

@@ -34,6 +34,8 @@ pub struct GpuBackend {
     display: Option<wgpu::Texture>,
     filter_f32: bool,
     pipeline_time: Duration,
+    /// The pipeline that draws no more than rays and sums, and what it is for.
+    bare: Option<(SceneNeeds, wgpu::ComputePipeline)>,
 }
 
 /// A picture in the making.
@@ -64,6 +66,7 @@ impl GpuBackend {
             display: None,
             filter_f32: false,
             pipeline_time: Duration::ZERO,
+            bare: None,
         })
     }
 
@@ -77,6 +80,31 @@ impl GpuBackend {
     pub fn set_filter_f32(&mut self, on: bool) {
         self.filter_f32 = on;
         self.work = None;
+    }
+
+    /// Draws nothing but rays and sums, of all tiles that are drawn.
+    fn draw_bare(&mut self, samples: u32) -> Result<(), RenderError> {
+        let (Some(work), Some(scene)) = (&mut self.work, &self.scene) else {
+            return Ok(());
+        };
+        let trace = &self.pipelines.trace;
+        let pipeline = match &self.bare {
+            Some((needs, pipeline)) if *needs == work.needs => pipeline,
+            _ => &self.bare.insert((work.needs, trace.bare(work.needs)?)).1,
+        };
+        let mut place = 0;
+        while place < work.accumulation.drawn_count() {
+            let (_, end) = work.accumulation.buffer_of(place);
+            let end = end.min(place + Job::MOST_TILES);
+            let job = Job {
+                tiles: place..end,
+                samples: 0..samples,
+                stride: 0,
+            };
+            work.draw(&self.context, (pipeline, trace.group()), scene, &job)?;
+            place = end;
+        }
+        Ok(())
     }
 
     /// Resolves the mean so far into a texture of the crop's size, sRGB-encoded values in rgba8unorm as egui wants
@@ -413,6 +441,22 @@ impl Backend for GpuBackend {
 
     fn pipeline_time(&self) -> Duration {
         self.pipeline_time
+    }
+
+    fn bare_sample(&mut self) -> Result<Option<Duration>, RenderError> {
+        // So many that the time between dispatches counts for nothing; the first pays for the driver's compiler.
+        const SAMPLES: u32 = 16;
+        const ROUNDS: u32 = 5;
+        self.draw_bare(1)?;
+        let mut least = Duration::MAX;
+        for _ in 0..ROUNDS {
+            let start = Instant::now();
+            self.draw_bare(SAMPLES)?;
+            least = least.min(start.elapsed() / SAMPLES);
+        }
+        // Its sums are worth nothing now.
+        self.work = None;
+        Ok(Some(least))
     }
 
     fn largest_side(&self) -> u32 {

@@ -166,6 +166,17 @@ impl Builder {
         &self.shared.program.group
     }
 
+    /// A pipeline of the program's entry point `bare_main`, made now.
+    ///
+    /// # Errors
+    /// When it cannot be made.
+    pub fn bare(&self, needs: SceneNeeds) -> Result<wgpu::ComputePipeline, RenderError> {
+        let Shared {
+            context, program, ..
+        } = &*self.shared;
+        program.pipeline(context, "bare_main", &needs.constants())
+    }
+
     /// The pipeline for `needs` if it is made; else it is from now on the next one to make, first run with `scene` as its
     /// group 0.
     ///

@@ -148,7 +148,8 @@ pub struct Counters {
     pub repeated_tests: u64,
     /// Shadow rays ended because hardly any light came through.
     pub ended_rays: u64,
-    /// Rays ended at a ground weave without gaps, before what lies behind it.
+    /// Rays that ended in pile before ground yarns were looked for, or at a ground weave without gaps before what lies
+    /// behind it.
     pub hidden_rays: u64,
 }
 
@@ -274,6 +275,15 @@ pub trait Backend: Send {
     /// How much of the last [`Self::begin`] went into making pipelines.
     fn pipeline_time(&self) -> Duration {
         Duration::ZERO
+    }
+
+    /// Time of a sample of the picture begun if nothing is traced and only rays are made and sums written: what the rest
+    /// is held against. `None` where that means nothing. The picture has to be begun again.
+    ///
+    /// # Errors
+    /// When the device fails.
+    fn bare_sample(&mut self) -> Result<Option<Duration>, RenderError> {
+        Ok(None)
     }
 
     /// Bytes held on the device for scene and accumulation; for processors, what they hold beside the scene.

@@ -5,11 +5,13 @@
 
 mod processor;
 
+use directories::ProjectDirs;
 use renderer_core::design::Method;
 use renderer_core::gpu::{self, AdapterSummary, GpuBackend, GpuContext};
 use renderer_core::reference::ReferenceBackend;
 use renderer_core::render::{Backend, BackendKind, RenderError};
 
+use crate::files;
 use processor::Processor;
 
 /// What the user asks for, on the command line or in the status bar.
@@ -74,5 +76,13 @@ pub fn make(choice: BackendChoice) -> Result<Box<dyn Backend>, RenderError> {
 }
 
 fn gpu_backend() -> Result<GpuBackend, RenderError> {
-    GpuBackend::new(GpuContext::headless()?)
+    GpuBackend::new(with_kept_pipelines(GpuContext::headless()?))
+}
+
+/// Lets a device keep its compiled pipelines in the platform's folder for such things.
+pub fn with_kept_pipelines(context: GpuContext) -> GpuContext {
+    match ProjectDirs::from("", "", "towel-designer") {
+        Some(folders) => files::keep_pipelines(context, &folders.cache_dir().join("pipelines")),
+        None => context,
+    }
 }

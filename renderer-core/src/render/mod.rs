@@ -6,10 +6,12 @@
 
 pub mod accumulation;
 mod camera;
+mod first_look;
 pub mod progressive;
 mod skips;
 
 pub use camera::{Camera, Projection, RayTile};
+pub use first_look::FirstLook;
 pub use skips::{Skip, Skips};
 
 use std::sync::Arc;

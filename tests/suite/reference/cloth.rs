@@ -9,7 +9,7 @@ use renderer_core::design::{
 };
 use renderer_core::geometry::{BilinearPatch, LoopFrame, Ray, orthonormal_basis};
 use renderer_core::reference::Tracer;
-use renderer_core::render::{Camera, RenderRequest, Settings};
+use renderer_core::render::{Camera, RenderRequest, Settings, Skips};
 use renderer_core::sampling::{self, Pcg, Set};
 use renderer_core::scene::{Scene, Section, SunLight, Volumes, compile};
 
@@ -140,6 +140,7 @@ pub fn request(scene: Scene, method: Method, bounces: u32) -> RenderRequest {
             shadows: true,
             aov: false,
             counters: true,
+            skips: Skips::ALL,
         },
     }
 }

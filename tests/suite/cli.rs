@@ -286,6 +286,7 @@ fn stats_say_what_was_done() {
         "loops",
         "method",
         "nonfinite_pixels",
+        "processor_seconds",
         "samples",
         "seconds",
         "size",
@@ -578,7 +579,7 @@ fn bad_arguments_are_refused_with_value_and_what_is_allowed() {
         &["rendr", "small.toml", "-o", "x.png"],
         &["rendr: there is no such preset, nor such a command"],
     );
-    bench.fails(2, &["rendr"], &["rendr: there is no such preset, nor such a command; commands are render, bench, pace, check, export, info"]);
+    bench.fails(2, &["rendr"], &["rendr: there is no such preset, nor such a command; commands are render, bench, pace, edits, check, export, info"]);
 }
 
 #[test]

@@ -96,7 +96,6 @@ class Run:
     def truths(self):
         self.truth = {}
         for renderer in self.renderers:
-            renderer.render(self.given.truth, 0)  # warms up what is made for a number of samples
             halves = [self.render(renderer, self.given.truth)[1] for _ in range(2)]
             truth = self.truth[renderer.name] = figures.Truth(*halves)
             self.results[renderer.name]["mean"] = [float(c) for c in truth.picture.mean(axis=(0, 1))]
@@ -112,7 +111,8 @@ class Run:
     def errors(self):
         counts = [int(n) for n in self.given.samples.split(",")]
         for samples in counts:
-            for renderer in self.renderers:
+            for renderer in filter(lambda renderer: renderer.is_peer, self.renderers):
+                # Warms up what is compiled for a number of samples; ours is a new process each time anyhow.
                 renderer.render(samples, 0)
         for repeat in range(self.given.repeats):
             for samples in counts:
@@ -123,8 +123,7 @@ class Run:
             samples = counts[-1]
             while self.error(renderer, samples) > TARGET and samples < MOST_SAMPLES and not self.given.quick:
                 samples *= 2
-                for _ in range(self.given.repeats):
-                    self.one(renderer, samples)
+                self.one(renderer, samples)
                 self.say(f"{renderer.name}: {samples} samples too")
 
     def error(self, renderer, samples):
@@ -143,8 +142,6 @@ class Run:
     def growth(self, fields):
         for field in fields:
             self.open(field)
-            for renderer in self.renderers:
-                renderer.render(GROWTH_SAMPLES, 0)
             for _ in range(self.given.repeats):
                 for renderer in self.renderers:
                     self.seed += 1

@@ -44,7 +44,11 @@ class Cycles:
         cycles.filter_width = 1.0
         cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
 
+    def prepare(self, _towel, strands):
+        return strands.astype(np.float32)
+
     def open(self, towel, points):
+        self.radius = towel.radius
         for material in list(bpy.data.materials):
             bpy.data.materials.remove(material)
         for thing in list(bpy.data.objects):
@@ -54,7 +58,7 @@ class Cycles:
         self.ground(towel)
         self.towel_material = matt("loops", towel.albedo[0])
         self.loops = None
-        self.edit(towel, points)
+        self.edit(points)
 
     def add(self, name, data):
         thing = bpy.data.objects.new(name, data)
@@ -95,7 +99,7 @@ class Cycles:
         mesh.materials.append(matt("ground", towel.rest["ground"]["albedo"]))
         self.add("ground", mesh)
 
-    def edit(self, towel, points):
+    def edit(self, points):
         loops, each, _ = points.shape
         if self.loops is None:
             self.loops = bpy.data.hair_curves.new("loops")
@@ -103,8 +107,8 @@ class Cycles:
             self.loops.materials.append(self.towel_material)
             self.add("loops", self.loops)
             radius = self.loops.attributes.get("radius") or self.loops.attributes.new("radius", "FLOAT", "POINT")
-            radius.data.foreach_set("value", np.full(loops * each, towel.radius, np.float32))
-        self.loops.attributes["position"].data.foreach_set("vector", points.astype(np.float32).ravel())
+            radius.data.foreach_set("value", np.full(loops * each, self.radius, np.float32))
+        self.loops.attributes["position"].data.foreach_set("vector", points.ravel())
         self.loops.update_tag()
 
     def render(self, samples, seed):

@@ -44,7 +44,14 @@ class Mitsuba:
         self.version = f"Mitsuba {mi.__version__} {variant}"
         self.size = size
 
-    def open(self, towel, points):
+    def prepare(self, towel, strands):
+        """Control points with radii of all strands."""
+        control = interpolating(strands)
+        rows = np.full((*control.shape[:2], 4), towel.radius, np.float32)
+        rows[..., :3] = control
+        return rows
+
+    def open(self, towel, rows):
         camera, distance = towel.camera, SUN_DISTANCE * np.linalg.norm(towel.rest["pitch"]) * towel.rest["warps"]
         eye, forward = np.array(camera["eye"]), np.array(camera["forward"])
         half_angle = np.radians(towel.sun["angular_diameter"] / 2)
@@ -97,7 +104,7 @@ class Mitsuba:
                     "ground": self.ground(towel),
                 }
             )
-        self.edit(towel, points)
+        self.edit(rows)
 
     def ground(self, towel):
         vertices, quads = towel.ground()
@@ -113,11 +120,8 @@ class Mitsuba:
         parameters.update()
         return mesh
 
-    def edit(self, towel, points):
-        control = interpolating(points)
-        loops, each, _ = control.shape
-        rows = np.full((loops, each, 4), towel.radius, np.float32)
-        rows[..., :3] = control
+    def edit(self, rows):
+        loops, each, _ = rows.shape
         first = (np.arange(loops, dtype=np.uint32)[:, None] * each + np.arange(each - 3, dtype=np.uint32)).ravel()
         parameters = mi.traverse(self.scene)
         parameters["loops.control_point_count"] = loops * each

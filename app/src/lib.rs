@@ -2,6 +2,7 @@
 
 pub mod backend;
 pub mod cli;
+pub mod clock;
 pub mod designer;
 pub mod files;
 pub mod picture_file;

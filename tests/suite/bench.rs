@@ -11,13 +11,13 @@ use renderer_core::design::{Method, Quality, Sampler};
 use renderer_core::image::Picture;
 use renderer_core::render::{BackendKind, Counters};
 use tempfile::TempDir;
-use towel_designer::cli::bench::clock::Spent;
 use towel_designer::cli::bench::measure::{Character, Findings, Row};
 use towel_designer::cli::bench::pareto::{Point, cheapest, domination, front};
 use towel_designer::cli::bench::plan::{Target, share, targets};
 use towel_designer::cli::bench::plot::Plot;
 use towel_designer::cli::bench::truth::{Bias, Known, Truth, known};
 use towel_designer::cli::bench::{Conditions, Measured, csv, summary};
+use towel_designer::clock::Spent;
 
 const PRESET: &str = "format = 1
 [sheet]

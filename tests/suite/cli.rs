@@ -286,6 +286,7 @@ fn stats_say_what_was_done() {
         "loops",
         "method",
         "nonfinite_pixels",
+        "processor_seconds",
         "samples",
         "seconds",
         "size",
@@ -578,7 +579,7 @@ fn bad_arguments_are_refused_with_value_and_what_is_allowed() {
         &["rendr", "small.toml", "-o", "x.png"],
         &["rendr: there is no such preset, nor such a command"],
     );
-    bench.fails(2, &["rendr"], &["rendr: there is no such preset, nor such a command; commands are render, bench, pace, check, export, info"]);
+    bench.fails(2, &["rendr"], &["rendr: there is no such preset, nor such a command; commands are render, bench, pace, edits, check, export, info"]);
 }
 
 #[test]
@@ -738,6 +739,134 @@ fn loops_are_exported_whole_and_alike_in_both_formats() {
     let last = glb.len() - 24;
     let indices: Vec<usize> = (0..6).map(|k| word(last + 4 * k)).collect();
     assert_eq!(indices, [476, 477, 478, 476, 478, 479]);
+}
+
+#[test]
+fn the_list_of_loops_tells_what_else_a_renderer_needs() {
+    let bench = Bench::new();
+    bench.ok(&[
+        "export",
+        "loops",
+        "small.toml",
+        "-o",
+        "loops.json",
+        "--set",
+        "pile.yarn_diameter=0.5",
+        "--set",
+        "length.value=2.5",
+        "--set",
+        "skeleton.crimp=0.125",
+        "--set",
+        "light.environment.radiance=0.75",
+        "--set",
+        "light.sun[0].azimuth=90",
+        "--set",
+        "light.sun[0].elevation=30",
+        "--set",
+        "light.sun[0].irradiance=3",
+        "--set",
+        "light.sun[0].angular_diameter=5",
+        "--set",
+        "view.cameras[1].target=[1, 2, 3]",
+        "--set",
+        "view.cameras[1].orthographic_height=12",
+    ]);
+    let json = bench.json("loops.json");
+    // Directions and lengths go through f64, and what a scene keeps through f32: 6e-8 of numbers up to 25.
+    let near = |value: &serde_json::Value, expected: &[f64]| {
+        let found: Vec<f64> = serde_json::from_value(value.clone()).unwrap();
+        let is_near = |(a, b): (&f64, &f64)| (a - b).abs() < 2e-6;
+        assert!(
+            found.len() == expected.len() && found.iter().zip(expected).all(is_near),
+            "{found:?} instead of {expected:?}"
+        );
+    };
+    assert_eq!(json["yarn"]["kind"], "terry");
+    assert_eq!(json["yarn"]["diameter"], 0.5);
+    // Base width, longest loop, and the default thickness.
+    near(&json["yarn"]["reference_size"], &[2.4, 2.5, 0.92]);
+    let ground = &json["ground"];
+    assert_eq!(
+        (&ground["visible"], &ground["height"]),
+        (&true.into(), &"winding".into())
+    );
+    assert_eq!(ground["crimp"], 0.125);
+    near(
+        &serde_json::json!([ground["warp_radius"], ground["weft_radius"]]),
+        &[0.22, 0.22],
+    );
+
+    let sun = &json["suns"][0];
+    near(&sun["direction"], &[0.0, 0.75_f64.sqrt(), 0.5]);
+    near(&sun["irradiance"], &[3.0; 3]);
+    near(&serde_json::json!([sun["angular_diameter"]]), &[5.0]);
+    assert_eq!(json["environment"]["kind"], "constant");
+    near(&json["environment"]["radiance"], &[0.75; 3]);
+
+    let [above, side] = [0, 1].map(|k| &json["cameras"][k]);
+    assert_eq!(
+        (&above["name"], &side["name"]),
+        (&"above".into(), &"side".into())
+    );
+    // From the near edge (−90°) at 50°, the default elevation.
+    let (sin, cos) = 50_f64.to_radians().sin_cos();
+    near(&above["eye"], &[0.0, -25.0 * cos, 25.0 * sin]);
+    near(&above["right"], &[1.0, 0.0, 0.0]);
+    near(&above["forward"], &[0.0, cos, -sin]);
+    near(&above["up"], &[0.0, sin, cos]);
+    near(&serde_json::json!([above["fov"]]), &[30.0]);
+    assert!(above["orthographic_height"].is_null());
+    let (sin, cos) = 20_f64.to_radians().sin_cos();
+    near(&side["eye"], &[1.0, 2.0 - 25.0 * cos, 3.0 + 25.0 * sin]);
+    assert!(side["fov"].is_null());
+    assert_eq!(side["orthographic_height"], 12.0);
+}
+
+#[test]
+fn edits_are_timed_made_and_taken_back() {
+    let bench = Bench::new();
+    let common = ["edits", "small.toml", "--size", "20x10", "--repeats", "2"];
+    let edits = [
+        "--edit",
+        "length.value=2",
+        "--edit",
+        "light.sun[0].elevation=20",
+        "--method",
+        "tracked",
+        "-o",
+        "edits.json",
+    ];
+    let output = bench.run(&[&common[..], &edits].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    // A heading, and a line for each way there and back.
+    assert_eq!(text(&output.stdout).lines().count(), 1 + 8);
+    let rows = bench.json("edits.json");
+    let rows = rows.as_array().unwrap();
+    assert_eq!(rows.len(), 8);
+    for (k, row) in rows.iter().enumerate() {
+        let expected = ["length.value=2", "light.sun[0].elevation=20"][k / 4];
+        assert_eq!(row["edit"], expected);
+        assert_eq!(row["made"], k % 2 == 0);
+        for kind in ["wall", "processor"] {
+            // Linux tells the processor's time; elsewhere there is none.
+            let seconds = |part: &str| row[part][kind].as_f64();
+            let Some(total) = seconds("total") else {
+                assert!(kind == "processor" && !cfg!(target_os = "linux"));
+                continue;
+            };
+            let parts = ["compile", "upload", "sample"].map(|part| seconds(part).unwrap());
+            assert!(parts.iter().all(|part| *part >= 0.0) && parts[0] > 0.0 && parts[2] > 0.0);
+            // Sums of three numbers in another order: rounding alone.
+            assert!((total - parts.iter().sum::<f64>()).abs() < 1e-9);
+        }
+    }
+    let fails = |more: &[&str], says: &[&str]| bench.fails(2, &[&common[..], more].concat(), says);
+    fails(&[], &["--edit"]);
+    fails(
+        &["--edit", "length.value=-1"],
+        &["length.value is -1", "0 to 100"],
+    );
+    fails(&["--edit", "length.value"], &["PATH=VALUE"]);
 }
 
 #[test]

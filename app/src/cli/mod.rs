@@ -5,6 +5,7 @@
 mod arguments;
 pub mod bench;
 mod check;
+mod edits;
 mod export;
 mod info;
 mod pace;
@@ -52,6 +53,8 @@ enum Command {
     Bench(bench::BenchArguments),
     /// Measure how smoothly the window goes while it renders: the times between its frames.
     Pace(pace::PaceArguments),
+    /// Measure how long an edit takes until the picture is whole again.
+    Edits(edits::EditsArguments),
     /// Validate presets; print every fault with line and column.
     Check(check::CheckArguments),
     /// Write what a preset is made of: its loops, volumes or turbulence.
@@ -106,6 +109,7 @@ fn run() -> anyhow::Result<()> {
         Some(Command::Render(arguments)) => render::run(&arguments),
         Some(Command::Bench(arguments)) => bench::run(&arguments),
         Some(Command::Pace(arguments)) => pace::run(&arguments),
+        Some(Command::Edits(arguments)) => edits::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
         Some(Command::Export(export)) => export::run(&export),
         Some(Command::Info) => info::run(),

@@ -168,7 +168,7 @@ pub fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
     drop(bar);
     seconds.pipelines += made.pipelines.as_secs_f64();
     seconds.upload = made.upload.as_secs_f64();
-    seconds.render = made.render.as_secs_f64();
+    seconds.render = made.render.wall.as_secs_f64();
     seconds.write = made.write.as_secs_f64();
     let first = before + made.upload + made.pipelines + made.first;
     seconds.first_image = first.as_secs_f64();
@@ -199,6 +199,7 @@ pub fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
             dropped_loops: scene.loops.counts.dropped,
             compile: (*compiler.last_report()).into(),
             seconds,
+            processor_seconds: made.render.processor.map(|time| time.as_secs_f64()),
             counters,
             error_estimate: made.error_estimate,
             nonfinite_pixels,

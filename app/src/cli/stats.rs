@@ -31,6 +31,8 @@ pub struct Stats {
     pub compile: CompileJson,
     /// Wall-clock times.
     pub seconds: Seconds,
+    /// Time on all cores together that adding samples took; null where the system does not tell.
+    pub processor_seconds: Option<f64>,
     /// Work done, when asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub counters: Option<CountersJson>,

@@ -24,6 +24,7 @@ use renderer_core::render::progressive::check_size;
 use renderer_core::render::{Backend, Camera, Counters, RenderError, RenderRequest, Settings};
 use renderer_core::scene::Scene;
 
+use crate::clock::{Spent, timed};
 use crate::files::{self, Draft, FileError};
 pub use bands::{BAND_BYTES, Bands};
 pub use time_left::TimeLeft;
@@ -101,7 +102,7 @@ pub struct Made {
     /// From the start of rendering to the first whole sample of the first band.
     pub first: Duration,
     /// Adding samples.
-    pub render: Duration,
+    pub render: Spent,
     /// Encoding and writing.
     pub write: Duration,
 }
@@ -147,6 +148,7 @@ pub fn make(
         bands: Bands::new(order.crop, order.settings.aov, order.band_bytes),
         made: Made {
             samples: u32::MAX,
+            render: Spent::zero(),
             ..Made::default()
         },
         errors: Some(Errors::default()),
@@ -189,7 +191,7 @@ pub fn make(
     made.error_estimate = errors.and_then(|errors| errors.whole());
     made.write = begun
         .elapsed()
-        .saturating_sub(made.upload + made.pipelines + made.render);
+        .saturating_sub(made.upload + made.pipelines + made.render.wall);
     Ok(made)
 }
 
@@ -256,11 +258,13 @@ impl Work<'_> {
             // Time is that of rendering: a device's pipelines may take seconds.
             self.begun = Instant::now();
         }
-        let rendering = Instant::now();
-        let (samples, error) = self.render(crop, tell)?;
-        let picture = self.backend.picture()?;
-        self.made.render += rendering.elapsed();
-        Ok((samples, error, picture))
+        let mut spent = Spent::zero();
+        let rendered = timed(&mut spent, || {
+            let (samples, error) = self.render(crop, tell)?;
+            Ok((samples, error, self.backend.picture()?))
+        });
+        self.made.render += spent;
+        rendered
     }
 
     /// Adds samples to a band until it is done. Its samples and its error.

@@ -15,9 +15,9 @@ use renderer_core::image::metrics;
 use renderer_core::render::{Backend, Camera, Counters, RenderError, RenderRequest, Settings};
 use renderer_core::scene::{self, CompileError, Scene};
 
-use super::clock::{Spent, timed};
 use super::plan::{Setting, TRUTH, Target, share};
 use super::truth::{Bias, Known, Truth, known};
+use crate::clock::{Spent, timed};
 
 /// How long a backend works between looks at the clock.
 const SLICE: Duration = Duration::from_millis(100);

@@ -4,7 +4,6 @@
 //! for as long as the budget lasts. After each preset all files are written anew, each at once, so that Ctrl-C leaves
 //! whole files.
 
-pub mod clock;
 pub mod csv;
 pub mod measure;
 pub mod pareto;

@@ -10,7 +10,8 @@ use super::measure::{Character, Findings, Row};
 use super::pareto::{self, Point};
 use super::plan::TRUTH;
 use super::truth::Known;
-use super::{Conditions, Measured, clock};
+use super::{Conditions, Measured};
+use crate::clock;
 
 /// Errors for which the best setting is named, relRMSE.
 const WANTED: [f64; 4] = [0.5, 0.2, 0.1, 0.05];

@@ -1,4 +1,5 @@
-//! `export loops`: every loop of a design, in mm and world space, and the list of them as JSON.
+//! `export loops`: every loop of a design, in mm and world space, and the list of them as JSON with what else a renderer
+//! needs to draw the same picture.
 
 use std::path::Path;
 
@@ -6,6 +7,7 @@ use glam::DVec3;
 use renderer_core::design::{Colour, Design};
 use renderer_core::scene::{self, ChartOnSheet, Face, PlantedLoop, Scene};
 
+use super::surroundings::Surroundings;
 use crate::files;
 
 /// One loop as other programs see it.
@@ -57,6 +59,7 @@ pub fn records<'s>(
 /// Writes the list as JSON, a loop a line.
 pub fn write(design: &Design, output: &Path) -> anyhow::Result<()> {
     let scene = scene::compile(design)?;
+    let surroundings = serde_json::to_value(Surroundings::new(design, &scene))?;
     files::write_atomically_with(output, |file| {
         let sheet = &scene.sheet;
         writeln!(file, "{{")?;
@@ -69,6 +72,10 @@ pub fn write(design: &Design, output: &Path) -> anyhow::Result<()> {
             "\"warps\": {}, \"wefts\": {}, \"pitch\": [{}, {}], \"thickness\": {},",
             sheet.warps, sheet.wefts, sheet.pitch_x_mm, sheet.pitch_y_mm, scene.loops.thickness_mm
         )?;
+        // A part a line, like the loops.
+        for (name, part) in surroundings.as_object().into_iter().flatten() {
+            writeln!(file, "\"{name}\": {part},")?;
+        }
         write!(file, "\"loops\": [")?;
         for (index, record) in records(design, &scene).enumerate() {
             let separator = if index == 0 { "" } else { "," };

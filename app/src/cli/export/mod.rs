@@ -2,6 +2,7 @@
 
 mod glb;
 mod loops;
+mod surroundings;
 mod turbulence;
 mod volume;
 

@@ -21,7 +21,8 @@ use super::measure::Findings;
 use super::pareto::{self, Point};
 use super::plan::{Setting, TRUTH, Target};
 use super::truth::Known;
-use super::{Conditions, clock, summary};
+use super::{Conditions, summary};
+use crate::clock;
 
 /// Width and height, units.
 const SIZE: [f64; 2] = [960.0, 600.0];

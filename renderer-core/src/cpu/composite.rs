@@ -5,6 +5,8 @@
 //! that holds it, and until then waits in [`Scratch::pending`]; a shadow ray takes it at once, since the order of what takes
 //! light away does not matter to what is left.
 
+use glam::Vec3A;
+
 use super::batch::Batch;
 use super::block::{BlockRay, Listed, LoopPart};
 use super::crossing::Crossing;
@@ -207,42 +209,83 @@ impl Tracer {
     ) {
         let cloth = &self.cloth;
         let patch = cloth.patch(listed.index, listed.cell, part.point);
-        let layers = cloth.layers();
-        let is_layered = self.settings.method == Method::Layered;
-        let normal = patch.normal();
-        for layer in 0..if is_layered { layers } else { 1 } {
-            let crossings = if is_layered {
-                let layer = [layer as f32, layers as f32];
-                Crossing::of_layer(
-                    &patch,
-                    normal,
-                    cloth.thickness,
-                    layer,
-                    part.direction,
-                    travelled,
-                )
-            } else {
-                Crossing::of_middle(&patch, cloth.thickness, part.direction, travelled)
-            };
-            for crossing in crossings.iter().flatten() {
-                let t = crossing.t();
-                // Crossings before this block were found in an earlier one, but for those behind a ray that begins here.
-                // Where loops are solved in every block that lists them, each block takes its own crossings only.
-                if t < 0.0 && travelled > 0.0 || !self.remembers_tests && t >= part.length {
-                    continue;
-                }
-                let depth = crossing.optical_depth(&cloth.yarn(listed.index), layers, counters);
-                if depth > 0.0 {
-                    counters.contributing_hits += 1;
-                    found(Event {
-                        t: from + t.max(0.0),
-                        depth,
-                        index: listed.index,
-                        crossing: *crossing,
-                        found_from: from,
-                    });
+        if self.settings.method == Method::Layered {
+            let normal = patch.normal();
+            let layers = cloth.layers() as f32;
+            for layer in 0..cloth.layers() {
+                let w = (layer as f32 + 0.5) / layers - 0.5;
+                let offset = normal * (w * cloth.thickness);
+                let roots = patch.roots(part.direction, offset);
+                for &root in roots.as_slice() {
+                    let crossing = Crossing::of_layer(
+                        &patch,
+                        normal,
+                        cloth.thickness,
+                        part.direction,
+                        travelled,
+                        root,
+                        [w, layers],
+                    );
+                    if let Some(crossing) = crossing {
+                        self.event(part, listed, crossing, from, travelled, counters, found);
+                    }
                 }
             }
+            return;
+        }
+        let roots = patch.roots(part.direction, Vec3A::ZERO);
+        let count = roots.as_slice().len();
+        if count == 0 {
+            return;
+        }
+        let normal = patch.normal();
+        for which in 0..count {
+            let crossing = Crossing::of_middle(
+                &patch,
+                normal,
+                cloth.thickness,
+                part.direction,
+                travelled,
+                &roots,
+                which,
+            );
+            if let Some(crossing) = crossing {
+                self.event(part, listed, crossing, from, travelled, counters, found);
+            }
+        }
+    }
+
+    /// The event of a crossing, if it is one and this block's to tell.
+    #[expect(clippy::too_many_arguments, reason = "all of it is inlined into the one loop that has them")]
+    #[inline(always)]
+    fn event(
+        &self,
+        part: &BlockRay,
+        listed: Listed,
+        crossing: Crossing,
+        from: f32,
+        travelled: f32,
+        counters: &mut Counters,
+        found: &mut impl FnMut(Event),
+    ) {
+        let t = crossing.t();
+        // Crossings before this block were found in an earlier one, but for those behind a ray that begins here. Where loops
+        // are solved in every block that lists them, each block takes its own crossings only.
+        if t < 0.0 && travelled > 0.0 || !self.remembers_tests && t >= part.length {
+            return;
+        }
+        let cloth = &self.cloth;
+        let yarn = cloth.yarn(listed.index);
+        let depth = crossing.optical_depth(&yarn, cloth.layers(), counters);
+        if depth > 0.0 {
+            counters.contributing_hits += 1;
+            found(Event {
+                t: from + t.max(0.0),
+                depth,
+                index: listed.index,
+                crossing,
+                found_from: from,
+            });
         }
     }
 }

@@ -7,7 +7,7 @@
 
 use glam::Vec3A;
 
-use super::patch::{Patch, Root, Slopes, Span};
+use super::patch::{Patch, Root, Roots, Slopes, Span};
 use super::volume::Yarn;
 use crate::render::Counters;
 
@@ -33,85 +33,71 @@ pub(super) struct MeanPoint {
 }
 
 impl Crossing {
-    /// The crossings of the middle patch, if there are any. The ray's point is `travelled` mm from its origin.
+    /// Crossing number `which` of the middle patch; `None` where none of the ray is left of it. The ray's point is `travelled`
+    /// mm from its origin.
     #[inline(always)]
     pub fn of_middle(
         patch: &Patch,
+        normal: Vec3A,
         thickness: f32,
         direction: Vec3A,
         travelled: f32,
-    ) -> [Option<Self>; 2] {
-        let roots = patch.roots(direction, Vec3A::ZERO);
-        let roots = roots.as_slice();
-        let mut crossings = [None; 2];
-        if roots.is_empty() {
-            return crossings;
-        }
-        let normal = patch.normal();
-        for (index, &root) in roots.iter().enumerate() {
-            let slopes = patch.slopes(normal, thickness, direction, &root);
-            let bent = (0.5 * thickness / slopes.bend.abs().max(1e-20)).sqrt();
-            let reach = (0.5 / slopes.w.abs()).min(bent);
-            let mut span = Span {
-                low: (-reach).max(-root.t - travelled),
-                high: reach,
-            };
-            if let [first, second] = *roots {
-                let middle = 0.5 * (first.t + second.t) - root.t;
-                if index == 0 {
-                    span.high = span.high.min(middle);
-                } else {
-                    span.low = span.low.max(middle);
-                }
-            }
-            let span = span
-                .clip(root.u, slopes.u, 0.0, 1.0)
-                .clip(root.v, slopes.v, 0.0, 1.0);
-            if !span.is_empty() {
-                crossings[index] = Some(Self {
-                    root,
-                    slopes,
-                    span,
-                    layer: None,
-                });
+        roots: &Roots,
+        which: usize,
+    ) -> Option<Self> {
+        let root = roots.as_slice()[which];
+        let slopes = patch.slopes(normal, thickness, direction, &root);
+        let bent = (0.5 * thickness / slopes.bend.abs().max(1e-20)).sqrt();
+        let reach = (0.5 / slopes.w.abs()).min(bent);
+        let mut span = Span {
+            low: (-reach).max(-root.t - travelled),
+            high: reach,
+        };
+        if let [first, second] = *roots.as_slice() {
+            let middle = 0.5 * (first.t + second.t) - root.t;
+            if which == 0 {
+                span.high = span.high.min(middle);
+            } else {
+                span.low = span.low.max(middle);
             }
         }
-        crossings
+        let span = span
+            .clip(root.u, slopes.u, 0.0, 1.0)
+            .clip(root.v, slopes.v, 0.0, 1.0);
+        (!span.is_empty()).then_some(Self {
+            root,
+            slopes,
+            span,
+            layer: None,
+        })
     }
 
-    /// The crossings of the patch of layer `layer` of `layers`, `normal` being n̂.
+    /// The crossing at `root` of the patch of the layer whose middle is at `w`, one of `layers`.
     #[inline(always)]
     pub fn of_layer(
         patch: &Patch,
         normal: Vec3A,
         thickness: f32,
-        [layer, layers]: [f32; 2],
         direction: Vec3A,
         travelled: f32,
-    ) -> [Option<Self>; 2] {
-        let w = (layer + 0.5) / layers - 0.5;
-        let roots = patch.roots(direction, normal * (w * thickness));
-        let mut crossings = [None; 2];
-        for (&root, crossing) in roots.as_slice().iter().zip(&mut crossings) {
-            let slopes = patch.slopes(normal, thickness, direction, &root);
-            let reach = 0.5 / (layers * slopes.w.abs());
-            let span = Span {
-                low: (-reach).max(-root.t - travelled),
-                high: reach,
-            };
-            let span = span
-                .clip(root.u, slopes.u, 0.0, 1.0)
-                .clip(root.v, slopes.v, 0.0, 1.0);
-            if !span.is_empty() {
-                *crossing = Some(Self {
-                    root,
-                    slopes,
-                    span,
-                    layer: Some(w),
-                });
-            }
-        }
-        crossings
+        root: Root,
+        [w, layers]: [f32; 2],
+    ) -> Option<Self> {
+        let slopes = patch.slopes(normal, thickness, direction, &root);
+        let reach = 0.5 / (layers * slopes.w.abs());
+        let span = Span {
+            low: (-reach).max(-root.t - travelled),
+            high: reach,
+        };
+        let span = span
+            .clip(root.u, slopes.u, 0.0, 1.0)
+            .clip(root.v, slopes.v, 0.0, 1.0);
+        (!span.is_empty()).then_some(Self {
+            root,
+            slopes,
+            span,
+            layer: Some(w),
+        })
     }
 
     /// Distance from the ray's point, mm; negative behind it.

@@ -176,22 +176,31 @@ impl<'a> Block<'a> {
             LoopPart::Volume => 2,
         };
         let layout = self.cloth.scene.loops.entry_layout;
-        let quadrants = layout.quadrants_shift();
+        let quadrants_shift = layout.quadrants_shift();
+        let subcells_shift = match part {
+            LoopPart::Patch => quadrants_shift + 4,
+            LoopPart::Volume => quadrants_shift,
+        };
+        let pieces = (self.cloth).pieces(ray, subcells, starts && part == LoopPart::Patch);
+        let start = pieces.start.map_or(0, |(quadrant, _)| quadrant);
+        let per_step = 1.0 / layout.height_steps() as f32;
+        let [front, back] = self.of_face;
         MetLoops {
             block: *self,
             layout,
-            pieces: self
-                .cloth
-                .pieces(ray, subcells, starts && part == LoopPart::Patch),
-            subcells_shift: match part {
-                LoopPart::Patch => quadrants + 4,
-                LoopPart::Volume => quadrants,
+            reached: if skipped {
+                pieces.subcells << subcells_shift | start << quadrants_shift
+            } else {
+                u32::MAX
             },
-            steps_mm: [0, 1].map(|face: usize| {
-                let [low, high] = self.of_face[face];
-                (high - low) / layout.height_steps() as f32
-            }),
+            pieces,
+            subcells_shift,
+            steps_mm: [
+                (front[1] - front[0]) * per_step,
+                (back[1] - back[0]) * per_step,
+            ],
             skipped,
+            at: 0,
         }
     }
 }
@@ -204,9 +213,13 @@ pub(super) struct MetLoops<'a> {
     pieces: Pieces,
     /// Where an entry tells the subcells, of which the pieces have as many.
     subcells_shift: u32,
+    /// The bits of the subcells passed, and of the quadrant in which the ray starts, where entries have them.
+    reached: u32,
     /// A step of the heights of either face's loops.
     steps_mm: [f32; 2],
     skipped: bool,
+    /// The next entry.
+    at: usize,
 }
 
 impl MetLoops<'_> {
@@ -217,9 +230,6 @@ impl MetLoops<'_> {
         let subcells = entry.0 >> self.subcells_shift;
         let quadrants = entry.0 >> self.layout.quadrants_shift();
         let holds_start = pieces.start.map_or(0, |(quadrant, _)| quadrant & quadrants);
-        if subcells & pieces.subcells | holds_start == 0 {
-            return false;
-        }
         let face = (entry.0 >> self.layout.place_shift() & 1) as usize;
         let bits = self.layout.height_bits;
         let heights = entry.0 >> self.layout.heights_shift();
@@ -240,13 +250,17 @@ impl Iterator for MetLoops<'_> {
 
     #[inline(always)]
     fn next(&mut self) -> Option<Listed> {
+        let entries = self.block.entries;
+        let mut at = self.at;
         let entry = loop {
-            let (&entry, rest) = self.block.entries.split_first()?;
-            self.block.entries = rest;
-            if !self.skipped || self.shows(entry) {
+            let &entry = entries.get(at)?;
+            at += 1;
+            // Most entries end here.
+            if entry.0 & self.reached != 0 && (!self.skipped || self.shows(entry)) {
                 break entry;
             }
         };
+        self.at = at;
         let cloth = self.block.cloth;
         let loops = &cloth.scene.loops;
         let side = cloth.grid.block_cells as i32;

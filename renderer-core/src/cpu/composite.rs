@@ -256,7 +256,10 @@ impl Tracer {
     }
 
     /// The event of a crossing, if it is one and this block's to tell.
-    #[expect(clippy::too_many_arguments, reason = "all of it is inlined into the one loop that has them")]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "all of it is inlined into the one loop that has them"
+    )]
     #[inline(always)]
     fn event(
         &self,

@@ -46,7 +46,9 @@ pub(super) struct Ground {
     /// H, mm.
     crimp: f32,
     form: SkeletonHeight,
-    repeat: [i64; 2],
+    /// π over the distance between crossings of a warp, then of a weft, 1/mm.
+    wave_numbers: [f32; 2],
+    repeat: [i32; 2],
     /// For each cell of the repeat, row by row, s of its warp and of its weft at the crossing before, here, and after.
     over: Vec<[[f32; 3]; 2]>,
     /// Warps and wefts of the sheet.
@@ -93,7 +95,8 @@ impl Ground {
             radius,
             crimp: skeleton.crimp_mm,
             form: skeleton.height,
-            repeat: skeleton.repeat.map(i64::from),
+            wave_numbers: [PI / pitch[1], PI / pitch[0]],
+            repeat: skeleton.repeat.map(|cells| cells as i32),
             over: over_and_under(skeleton),
             cells: [sheet.warps, sheet.wefts].map(i64::from),
             // Yarns k places away reach into the cell while k·pitch − radius < ½ pitch.
@@ -133,6 +136,7 @@ impl Ground {
         length: f32,
     ) -> Option<Local> {
         let mut nearest: Option<Local> = None;
+        let here = self.in_repeat(cell);
         for set in 0..2 {
             // Not an inclusive range: those cost a flag in each round.
             let mut offset = -self.reach[set] - 1;
@@ -142,7 +146,14 @@ impl Ground {
                 if offset != 0 && (place < 0 || place >= self.cells[set]) {
                     continue;
                 }
-                let yarn = self.yarn(set, cell, offset);
+                let index = if offset == 0 {
+                    here
+                } else {
+                    let mut neighbour = cell;
+                    neighbour[set] = place;
+                    self.in_repeat(neighbour)
+                };
+                let yarn = self.yarn(set, index, offset);
                 let part = Span {
                     low: 0.0,
                     high: nearest.as_ref().map_or(length, |hit| hit.t),
@@ -184,20 +195,26 @@ impl Ground {
         }
     }
 
-    /// The yarn `offset` places beside the one through the centre of `cell`; set 0 is the warps.
+    /// The yarn `offset` places beside the one through the centre of a cell; set 0 is the warps. `index` is the place of that
+    /// yarn's cell in the repeat.
     #[inline(always)]
-    fn yarn(&self, set: usize, mut cell: [i64; 2], offset: i64) -> Yarn {
-        cell[set] += offset;
-        let [columns, rows] = self.repeat;
-        let index = cell[1].rem_euclid(rows) * columns + cell[0].rem_euclid(columns);
+    fn yarn(&self, set: usize, index: usize, offset: i64) -> Yarn {
         Yarn {
             across: set,
             centre: offset as f32 * self.pitch[set],
             radius: self.radius[set],
             crimp: self.crimp,
-            wave_number: PI / self.pitch[1 - set],
-            over: self.over[index as usize][set],
+            wave_number: self.wave_numbers[set],
+            over: self.over[index][set],
         }
+    }
+
+    /// Place of a cell in the repeat. Cells are fewer than 2³¹, and dividing smaller numbers is quicker.
+    #[inline(always)]
+    fn in_repeat(&self, [i, j]: [i64; 2]) -> usize {
+        let [columns, rows] = self.repeat;
+        let (i, j) = ((i as i32).rem_euclid(columns), (j as i32).rem_euclid(rows));
+        (j * columns + i) as usize
     }
 }
 

@@ -1,10 +1,17 @@
-// ENTRY error_main: for every tile the sums behind the error estimate (MODEL.md §10): the spread of the four
-// scrambles' means, and the mean. One workgroup a tile; the host adds up the few numbers that are left.
+// ENTRY error_main: for every tile the sums behind the error estimate (MODEL.md §10): the spread of the
+// scrambles' means, and the mean; formula and reason: renderer-core/src/render/accumulation.rs. One workgroup a tile; the host adds up the few numbers that are left.
 
 // (sum of the variance of the mean, sum of the mean) of the three channels over the pixels of a tile.
 @group(1) @binding(6) var<storage, read_write> tile_errors: array<vec2<f32>>;
 
 var<workgroup> partial: array<vec2<f32>, WORKGROUP>;
+
+// How many of the first samples belong to each scramble: they take turns by runs.
+fn samples_of_scrambles(samples: u32) -> vec4<f32> {
+    let before = samples / (RUN * SCRAMBLES) * RUN;
+    let rest = vec4<i32>(i32(samples % (RUN * SCRAMBLES))) - i32(RUN) * vec4<i32>(0, 1, 2, 3);
+    return vec4<f32>(vec4<i32>(i32(before)) + clamp(rest, vec4<i32>(), vec4<i32>(i32(RUN))));
+}
 
 fn pixel_error(tile: u32, in_tile: vec2<u32>) -> vec2<f32> {
     if any(tile_corner(tile) + in_tile >= slice.size) {
@@ -16,14 +23,16 @@ fn pixel_error(tile: u32, in_tile: vec2<u32>) -> vec2<f32> {
     }
     let at = sum_index(tile, in_tile);
     let sum = sums[at + SUM_SIGNED];
-    // Asked for, and ended, only at sample counts that all scrambles share equally.
-    let samples = f32(max(select(end, slice.samples_before, end == 0u), 1u));
-    let means = sum * f32(SCRAMBLES) / samples;
-    let mean = dot(means, vec4<f32>(0.25));
-    let off = means - mean;
-    // Variance of the mean of four: the sample variance (÷ 3) over 4.
+    let count = max(select(end, slice.samples_before, end == 0u), 1u);
+    let samples = f32(count);
+    let each = samples_of_scrambles(count);
+    let off = sum / max(each, vec4<f32>(1.0)) - dot(sum, vec4<f32>(1.0)) / samples;
+    let others = dot(vec4<f32>(each > vec4<f32>()), vec4<f32>(1.0)) - 1.0;
     let colour = sums[at + SUM_COLOUR].xyz / samples;
-    return vec2<f32>(dot(off, off) / 12.0, colour.x + colour.y + colour.z);
+    return vec2<f32>(
+        dot(each, off * off) / max(others * samples, 1.0),
+        colour.x + colour.y + colour.z,
+    );
 }
 
 @compute @workgroup_size(WORKGROUP)

@@ -68,9 +68,15 @@ fn set_at(bounce: u32, purpose: u32) -> u32 {
     return 16u * bounce + purpose;
 }
 
+// Which scramble a sample belongs to: they take turns by runs.
+fn scramble_of(sample: u32) -> u32 {
+    return sample / RUN % SCRAMBLES;
+}
+
 fn owen_bits(seed_of_pixel: u32, sample: u32, set_number: u32) -> vec4<u32> {
-    let seed = hash_with(hash_with(seed_of_pixel, sample % SCRAMBLES), set_number);
-    let point = sobol(owen_scramble(sample / SCRAMBLES, seed));
+    let seed = hash_with(hash_with(seed_of_pixel, scramble_of(sample)), set_number);
+    let place = sample / (RUN * SCRAMBLES) * RUN + sample % RUN;
+    let point = sobol(owen_scramble(place, seed));
     return vec4<u32>(
         owen_scramble(point.x, hash_with(seed, 1u)),
         owen_scramble(point.y, hash_with(seed, 2u)),

@@ -34,6 +34,8 @@ const MAX_MATERIALS: u32 = 65u;
 const HIGHLIGHT_INTERVALS: u32 = 256u;
 // Independent scrambles of the random sequence, and so accumulators of each pixel (MODEL.md §10).
 const SCRAMBLES: u32 = 4u;
+// Samples of one scramble before the next one's turn.
+const RUN: u32 = 8u;
 
 const PI: f32 = 3.14159265358979;
 // Beyond every distance in a scene, and small enough that sums and products of two stay finite.

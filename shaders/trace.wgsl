@@ -206,7 +206,7 @@ fn trace_main(@builtin(global_invocation_id) id: vec3<u32>) {
         let met = path.first.what != NOTHING;
         colour += vec4<f32>(path.radiance, f32(met));
         let signed_sum = dot(path.radiance, channel_signs(place.in_tile));
-        let scramble = vec4<u32>(sample % SCRAMBLES) == vec4<u32>(0u, 1u, 2u, 3u);
+        let scramble = vec4<u32>(scramble_of(sample)) == vec4<u32>(0u, 1u, 2u, 3u);
         signed += select(vec4<f32>(), vec4<f32>(signed_sum), scramble);
         if AOV && met {
             let facing = select(-1.0, 1.0, dot(path.first.normal, camera.ray.direction) <= 0.0) * path.first.normal;

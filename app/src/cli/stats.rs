@@ -36,7 +36,7 @@ pub struct Stats {
     /// Work done, when asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub counters: Option<CountersJson>,
-    /// Estimated relRMSE; null below four samples.
+    /// Estimated relRMSE; null below sixteen samples.
     pub error_estimate: Option<f64>,
     /// Pixels with a value that is infinite or NaN; always 0, or something is wrong.
     pub nonfinite_pixels: u64,

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use crate::design::{Method, ToneMap};
 use crate::image::{Display, Picture};
-use crate::render::convergence::{PixelErrors, is_decision};
+use crate::render::convergence::{PixelErrors, has_estimate, is_decision};
 use crate::render::progressive::check_size;
 use crate::render::{
     Backend, BackendKind, Counters, MAX_SIDE, Progress, RenderError, RenderRequest, Skip,
@@ -398,7 +398,7 @@ impl Backend for GpuBackend {
             work.draw(&self.context, (&pipeline, layout), scene, &job)?;
             self.pace.learn(job.paths(), begun.elapsed());
             let samples = work.schedule.samples();
-            if work.schedule.is_between_passes() && samples > 0 && samples.is_multiple_of(4) {
+            if work.schedule.is_between_passes() && has_estimate(samples) {
                 work.estimate(&self.context, &mut self.pipelines)?;
             }
             if start.elapsed() >= slice {

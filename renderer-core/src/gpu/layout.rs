@@ -94,6 +94,8 @@ constants! {
     HIGHLIGHT_INTERVALS = 256;
     /// Scrambles of the random sequence.
     SCRAMBLES = crate::sampling::SCRAMBLES;
+    /// Samples of one scramble before the next one's turn.
+    RUN = crate::sampling::RUN;
     /// Index of the counter of rays.
     COUNT_RAYS = 0;
     /// Index of the counter of shadow rays.

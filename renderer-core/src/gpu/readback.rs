@@ -182,7 +182,7 @@ pub fn entry(binding: u32, buffer: &wgpu::Buffer) -> wgpu::BindGroupEntry<'_> {
     }
 }
 
-/// The error of each tile, of which those that are drawn have `samples` samples, a multiple of four.
+/// The error of each tile, of which those that are drawn have `samples` samples.
 pub fn tile_errors(
     context: &GpuContext,
     pipelines: &mut Pipelines,

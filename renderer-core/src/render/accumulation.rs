@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::Counters;
 use super::convergence::PixelErrors;
 use crate::image::{Aov, Picture};
-use crate::sampling::SCRAMBLES;
+use crate::sampling::{RUN, SCRAMBLES, samples_of, scramble_of};
 
 /// Side of a tile, pixels.
 pub const TILE_SIDE: u32 = 16;
@@ -93,6 +93,25 @@ struct PixelSums {
     covered: u32,
 }
 
+impl PixelSums {
+    /// Estimated variance of the mean of all its samples' [`signed_sum`]; 0 where one scramble has all of them.
+    fn variance(&self) -> f64 {
+        let mean = self.signed.iter().sum::<f64>() / f64::from(self.samples);
+        let (mut spread, mut scrambles) = (0.0, 0);
+        for (scramble, sum) in (0..).zip(self.signed) {
+            let samples = samples_of(scramble, self.samples);
+            if samples > 0 {
+                spread += f64::from(samples) * (sum / f64::from(samples) - mean).powi(2);
+                scrambles += 1;
+            }
+        }
+        if scrambles < 2 {
+            return 0.0;
+        }
+        spread / (f64::from(scrambles - 1) * f64::from(self.samples))
+    }
+}
+
 /// Sums of one pixel's extra channels over the samples that met cloth.
 #[derive(Debug, Clone, Copy, Default)]
 struct AovSums {
@@ -152,27 +171,19 @@ impl Tile {
         });
     }
 
-    /// The error of its pixels; `None` until every scramble has a sample everywhere.
+    /// The error of its pixels; `None` until two scrambles have had their first runs everywhere.
     ///
-    /// The four means are independent, so the variance of their mean is Σ(mᵢ − m)²/(4·3). Samples within one
-    /// scramble are not independent, and their own spread would tell nothing about it (MODEL.md §10).
+    /// The means mᵢ of the k scrambles that have samples are independent. With nᵢ samples of n each varies about as 1/nᵢ, so the
+    /// variance of the mean m of all is Σ nᵢ(mᵢ − m)²/((k − 1)·n). Samples within one scramble are not independent, and their
+    /// own spread would tell nothing about it (MODEL.md §10).
     pub fn errors(&self) -> Option<PixelErrors> {
-        const N: f64 = SCRAMBLES as f64;
         let mut errors = PixelErrors::default();
         for pixel in &self.pixels {
-            let mut means = pixel.signed;
-            if self.standing != Standing::Background {
-                if pixel.samples < SCRAMBLES {
-                    return None;
-                }
-                for (scramble, mean) in (0..).zip(&mut means) {
-                    *mean /= f64::from((pixel.samples + SCRAMBLES - 1 - scramble) / SCRAMBLES);
-                }
+            if self.standing != Standing::Background && pixel.samples < 2 * RUN {
+                return None;
             }
-            let mean = means.iter().sum::<f64>() / N;
-            let spread: f64 = means.iter().map(|m| (m - mean).powi(2)).sum();
             errors += PixelErrors {
-                variance: spread / (N * (N - 1.0)),
+                variance: pixel.variance(),
                 sum: pixel.radiance.element_sum() / f64::from(pixel.samples),
                 pixels: 1,
             };
@@ -198,7 +209,7 @@ impl Tile {
         let pixel = &mut self.pixels[index];
         pixel.radiance += sample.radiance;
         // Tiles have an even side, so that the pattern of signs goes on from one to the next.
-        pixel.signed[(number % SCRAMBLES) as usize] += signed_sum(sample.radiance, [x, y]);
+        pixel.signed[scramble_of(number) as usize] += signed_sum(sample.radiance, [x, y]);
         pixel.samples += 1;
         if let Some(first) = &sample.first {
             pixel.covered += 1;
@@ -259,7 +270,7 @@ impl Accumulation {
         self.tiles.iter().map(|t| tile(t) as u64).sum()
     }
 
-    /// The error of each tile and of the whole picture; `None` until every scramble has a sample everywhere.
+    /// The error of each tile and of the whole picture; `None` until two scrambles have had their first runs everywhere.
     pub fn errors(&self) -> Option<(Vec<PixelErrors>, PixelErrors)> {
         let mut whole = PixelErrors::default();
         let of_tiles = self.tiles.iter().map(|tile| {

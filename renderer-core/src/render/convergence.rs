@@ -8,12 +8,13 @@
 //!
 //! Bias: whether a tile ends depends on its samples. One that has been lucky, in which light that is rare and bright has
 //! not shown itself, ends early and stays a little too dark, and its estimated error a little too small. From 16 samples
-//! on an estimate rests on four means of every pixel of a tile, some thousand numbers, which are hardly ever all
+//! on an estimate rests on two means or more of every pixel of a tile, some hundred numbers, which are hardly ever all
 //! lucky; the test `convergence` measures what is left.
 
-/// Fewest samples at which an error target can end anything: below, each of the four means that the error is estimated from
-/// is of less than four samples, and rare bright paths have not shown themselves.
-pub const FEWEST_FOR_ERROR: u32 = 16;
+use crate::sampling::RUN;
+
+/// Fewest samples at which errors are estimated and can end anything: of two scrambles' first runs.
+pub const FEWEST_FOR_ERROR: u32 = 2 * RUN;
 
 /// What is known of the error of some pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -58,6 +59,11 @@ impl PixelErrors {
     pub fn have_converged(&self, whole: &Self, target: f64) -> bool {
         self.variance <= (target * whole.mean()).powi(2) * self.values()
     }
+}
+
+/// Whether errors are estimated anew at so many samples: whenever a scramble has had its turn.
+pub fn has_estimate(samples: u32) -> bool {
+    samples >= FEWEST_FOR_ERROR && samples.is_multiple_of(RUN)
 }
 
 /// Whether an error target may end something at so many samples.

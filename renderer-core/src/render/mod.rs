@@ -119,7 +119,7 @@ pub struct Progress {
     /// for. While 0, [`Backend::picture`] may be coarse.
     pub samples: u32,
     /// Estimated relRMSE (MODEL.md §11) of the mean so far, all pixels included whatever their number of samples, from the
-    /// spread of four independent scrambles; `None` below 4 samples.
+    /// spread of independent scrambles; `None` below [`convergence::FEWEST_FOR_ERROR`] samples.
     pub error_estimate: Option<f64>,
     /// True when nothing is left to do.
     pub done: bool,

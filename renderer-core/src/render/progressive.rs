@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::accumulation::{Accumulation, Pass, Sample, TILE_SIDE, Tile};
 use super::background::background_tiles;
-use super::convergence::is_decision;
+use super::convergence::{has_estimate, is_decision};
 use super::{Counters, MAX_SIDE, Progress, RenderError, RenderRequest, Skip};
 use crate::image::Picture;
 
@@ -120,8 +120,7 @@ impl Progressive {
                 return;
             }
             self.pass = pass.next();
-            // A new estimate whenever all scrambles have equally many samples again.
-            if self.pass.samples_before() > 0 && self.pass.samples_before().is_multiple_of(4) {
+            if has_estimate(self.pass.samples_before()) {
                 self.estimate();
             }
             if out_of_time() {

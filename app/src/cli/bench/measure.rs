@@ -45,7 +45,7 @@ pub struct Row {
     pub measured: f64,
     /// What that tells.
     pub error: Known,
-    /// relRMSE that the backend itself expects of its noise; `None` below four samples.
+    /// relRMSE that the backend itself expects of its noise; `None` below sixteen samples.
     pub estimate: Option<f64>,
     /// FLIP against the truth's mean, mean over the rounds.
     pub flip: f64,

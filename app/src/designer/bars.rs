@@ -1,6 +1,6 @@
 //! The bars above the panels: menu and toolbar; what they have for the view is in `view_bar`.
 
-use egui::{Button, MenuBar, Ui};
+use egui::{Button, MenuBar, ScrollArea, Ui};
 
 use super::command::{Command, keys_of};
 use super::document::Document;
@@ -8,6 +8,12 @@ use super::settings::{SCALES, Settings, ThemeChoice};
 use super::status::short;
 use super::view_bar;
 use super::viewport::Viewport;
+use super::widgets::{check_box, radio_button};
+
+const PRESETS: &str = "The designs to start from, beside the cloth.";
+
+/// What is left of the window's height beside an open menu, points: the menu bar, and the menu's frame.
+const BELOW_MENUS: f32 = 48.0;
 
 /// The menu bar.
 pub fn menu(
@@ -15,6 +21,7 @@ pub fn menu(
     document: &Document,
     viewport: &Viewport,
     settings: &Settings,
+    has_presets: bool,
     commands: &mut Vec<Command>,
 ) {
     MenuBar::new().ui(ui, |ui| {
@@ -64,10 +71,20 @@ pub fn menu(
             item(ui, "Chart editor", true, Command::EditChart, commands);
         });
         ui.menu_button("View", |ui| {
-            view_bar::menu(ui, &document.design, viewport, commands);
-            let scale = settings.scale;
-            ui.menu_button("Interface scale", |ui| scales(ui, scale, commands));
-            ui.menu_button("Theme", |ui| themes(ui, settings.theme, commands));
+            // The longest menu: in a small window at a large scale it is longer than the window is high.
+            let room = ui.ctx().content_rect().height() - BELOW_MENUS;
+            ScrollArea::vertical().max_height(room).show(ui, |ui| {
+                view_bar::menu(ui, &document.design, viewport, commands);
+                let mut shows = has_presets;
+                let check = check_box(ui, &mut shows, "Presets");
+                if check.on_hover_text(PRESETS).clicked() {
+                    commands.push(Command::ShowPresets(shows));
+                    ui.close();
+                }
+                let scale = settings.scale;
+                ui.menu_button("Interface scale", |ui| scales(ui, scale, commands));
+                ui.menu_button("Theme", |ui| themes(ui, settings.theme, commands));
+            });
         });
         ui.menu_button("Help", |ui| {
             item(ui, "Keys and version", true, Command::Help, commands);
@@ -98,7 +115,7 @@ fn scales(ui: &mut Ui, now: u32, commands: &mut Vec<Command>) {
     item(ui, "Smaller", true, Command::ScaleStep(-1), commands);
     ui.separator();
     for scale in SCALES {
-        if ui.radio(scale == now, format!("{scale} %")).clicked() {
+        if radio_button(ui, scale == now, format!("{scale} %")).clicked() {
             commands.push(Command::Scale(scale));
             ui.close();
         }
@@ -112,7 +129,7 @@ fn themes(ui: &mut Ui, now: ThemeChoice, commands: &mut Vec<Command>) {
         (ThemeChoice::Dark, "Dark"),
         (ThemeChoice::Light, "Light"),
     ] {
-        if ui.radio(now == choice, name).clicked() {
+        if radio_button(ui, now == choice, name).clicked() {
             commands.push(Command::Theme(choice));
             ui.close();
         }
@@ -129,7 +146,13 @@ pub fn item(ui: &mut Ui, text: &str, enabled: bool, command: Command, commands: 
 }
 
 /// The toolbar.
-pub fn toolbar(ui: &mut Ui, document: &Document, viewport: &Viewport, commands: &mut Vec<Command>) {
+pub fn toolbar(
+    ui: &mut Ui,
+    document: &Document,
+    viewport: &Viewport,
+    has_presets: bool,
+    commands: &mut Vec<Command>,
+) {
     ui.horizontal_centered(|ui| {
         tool(
             ui,
@@ -184,6 +207,10 @@ pub fn toolbar(ui: &mut Ui, document: &Document, viewport: &Viewport, commands: 
             Command::Export,
             commands,
         );
+        if !has_presets {
+            let command = Command::ShowPresets(true);
+            tool(ui, "Presets", PRESETS, true, command, commands);
+        }
     });
 }
 

@@ -1,6 +1,6 @@
 //! The bars above the panels: menu and toolbar; what they have for the view is in `view_bar`.
 
-use egui::{Button, MenuBar, ScrollArea, Ui};
+use egui::{Button, MenuBar, Ui};
 
 use super::command::{Command, keys_of};
 use super::document::Document;
@@ -11,9 +11,6 @@ use super::viewport::Viewport;
 use super::widgets::{check_box, radio_button};
 
 const PRESETS: &str = "The designs to start from, beside the cloth.";
-
-/// What is left of the window's height beside an open menu, points: the menu bar, and the menu's frame.
-const BELOW_MENUS: f32 = 48.0;
 
 /// The menu bar.
 pub fn menu(
@@ -71,20 +68,16 @@ pub fn menu(
             item(ui, "Chart editor", true, Command::EditChart, commands);
         });
         ui.menu_button("View", |ui| {
-            // The longest menu: in a small window at a large scale it is longer than the window is high.
-            let room = ui.ctx().content_rect().height() - BELOW_MENUS;
-            ScrollArea::vertical().max_height(room).show(ui, |ui| {
-                view_bar::menu(ui, &document.design, viewport, commands);
-                let mut shows = has_presets;
-                let check = check_box(ui, &mut shows, "Presets");
-                if check.on_hover_text(PRESETS).clicked() {
-                    commands.push(Command::ShowPresets(shows));
-                    ui.close();
-                }
-                let scale = settings.scale;
-                ui.menu_button("Interface scale", |ui| scales(ui, scale, commands));
-                ui.menu_button("Theme", |ui| themes(ui, settings.theme, commands));
-            });
+            view_bar::menu(ui, &document.design, viewport, commands);
+            let mut shows = has_presets;
+            let check = check_box(ui, &mut shows, "Presets");
+            if check.on_hover_text(PRESETS).clicked() {
+                commands.push(Command::ShowPresets(shows));
+                ui.close();
+            }
+            let scale = settings.scale;
+            ui.menu_button("Interface scale", |ui| scales(ui, scale, commands));
+            ui.menu_button("Theme", |ui| themes(ui, settings.theme, commands));
         });
         ui.menu_button("Help", |ui| {
             item(ui, "Keys and version", true, Command::Help, commands);

@@ -12,9 +12,11 @@ const RING: [f32; 2] = [1.0, 1.5];
 #[derive(Debug, Default)]
 pub struct KeyboardFocus {
     is_shown: bool,
-    /// What had the keyboard in the last frame.
+    /// What has the keyboard.
     last: Option<Id>,
-    /// Whether that is something else now.
+    /// Whether something had it when that frame began.
+    had_focus: bool,
+    /// Whether something else has it now.
     has_moved: bool,
 }
 
@@ -34,14 +36,15 @@ impl KeyboardFocus {
                 }
             }
         });
+        self.had_focus = self.last.is_some();
         let focused = ctx.memory(egui::Memory::focused);
         self.has_moved = self.is_shown && focused != self.last;
         self.last = focused;
     }
 
-    /// Whether something had the keyboard when the frame began.
+    /// Whether something had the keyboard in the last frame: Escape takes it away before this one begins.
     pub fn had_focus(&self) -> bool {
-        self.last.is_some()
+        self.had_focus
     }
 
     /// Scrolls to what has just got the keyboard, if it is in this scroll area: to be called in it, behind its content.

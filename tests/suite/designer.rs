@@ -6,10 +6,13 @@
 mod chart;
 mod export;
 mod filing;
+mod legible;
 mod light;
+mod looks;
 mod loops;
 mod rendering;
 mod small_pictures;
+mod states;
 mod view;
 mod weave;
 
@@ -163,6 +166,7 @@ fn open_seldom_needed(harness: &mut Harness<'_, App>) {
         "Fineness of the volume",
         "More about clumps",
         "More about ground yarns",
+        "More about quality",
     ] {
         open_panel(harness, heading);
     }
@@ -967,4 +971,108 @@ fn names_are_given_to_all_widgets() {
     }
     open_seldom_needed(&mut harness);
     harness.check_accessibility();
+}
+
+#[test]
+fn the_cloths_size_is_typed_in_centimetres() {
+    let mut harness = designer(None);
+    let before = design(&harness).sheet.clone();
+    type_number(&mut harness, "Width of the cloth", "70");
+    type_number(&mut harness, "Length of the cloth", "140");
+    let sheet = &design(&harness).sheet;
+    let expected = [70.0 * before.warps_per_cm, 140.0 * before.wefts_per_cm];
+    assert_eq!(
+        [sheet.warps, sheet.wefts].map(f64::from),
+        expected.map(f64::round)
+    );
+    assert_eq!(
+        sheet.warps_per_cm, before.warps_per_cm,
+        "as close as before"
+    );
+    for _ in 0..2 {
+        harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        harness.run_steps(3);
+    }
+    assert_eq!(design(&harness).sheet, before);
+}
+
+#[test]
+fn escape_closes_what_is_nearest() {
+    let mut harness = designer(None);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::E);
+    harness.run_steps(6);
+    harness.key_press(Key::F1);
+    harness.run_steps(6);
+    let is_open = |harness: &Harness<'_, App>, part: &str| {
+        harness.query_all_by_label_contains(part).next().is_some()
+    };
+    let escape = |harness: &mut Harness<'_, App>| {
+        harness.key_press(Key::Escape);
+        harness.run_steps(20);
+        [
+            is_open(harness, "Every yarn loop"),
+            is_open(harness, "Choose file and export…"),
+        ]
+    };
+    assert!(is_open(&harness, "Every yarn loop"));
+    assert_eq!(escape(&mut harness), [false, true], "the help");
+    // What is typed in gives up the keyboard first.
+    let field = harness.get_by_role_and_label(Role::SpinButton, "Export width");
+    field.click();
+    harness.run_steps(3);
+    assert_eq!(escape(&mut harness), [false, true], "a field");
+    assert_eq!(escape(&mut harness), [false, false], "the window");
+}
+
+#[test]
+fn a_panel_scrolls_to_what_tab_comes_to() {
+    let mut harness = designer_of_size(None, vec2(1280.0, 560.0));
+    // From the last control that is seen in the panel at the start, on to what is below.
+    harness.get_by_label("Ready patterns…").focus();
+    harness.run_steps(2);
+    for _ in 0..40 {
+        harness.key_press(Key::Tab);
+        harness.run_steps(2);
+        harness.run_steps(20);
+        let focused = harness.root().children_recursive();
+        let focused = focused.filter(|node| node.accesskit_node().is_focused());
+        let Some(place) = focused.map(|node| node.rect()).next() else {
+            continue;
+        };
+        let panel = egui::Rect::from_min_max(Pos2::new(0.0, 50.0), Pos2::new(360.0, 545.0));
+        // The bars above and below scroll nowhere.
+        let is_left = place.right() < 356.0 && place.top() > 58.0 && place.top() < 535.0;
+        assert!(
+            !is_left || panel.contains_rect(place),
+            "{place:?} is not seen"
+        );
+    }
+    let last = harness.get_by_role_and_label(Role::DisclosureTriangle, "View & quality");
+    assert!(
+        last.rect().bottom() < 560.0,
+        "the panel was never scrolled: {:?}",
+        last.rect()
+    );
+}
+
+#[test]
+fn presets_give_way_to_the_cloth_and_come_back() {
+    let has_presets =
+        |harness: &Harness<'_, App>| harness.query_by_label("Search presets").is_some();
+    let mut harness = designer_of_size(None, vec2(800.0, 720.0));
+    let cloth = harness.get_by_label("Viewport").rect().width();
+    assert!(
+        cloth >= 250.0 && !has_presets(&harness),
+        "{cloth} points of cloth"
+    );
+    click(&mut harness, "Toolbar: Presets");
+    assert!(has_presets(&harness));
+    states::show_presets(&mut harness);
+    assert!(!has_presets(&harness));
+
+    let mut harness = designer(None);
+    assert!(has_presets(&harness));
+    assert!(harness.query_by_label("Toolbar: Presets").is_none());
+    states::show_presets(&mut harness);
+    assert!(!has_presets(&harness), "hidden though there is room");
 }

@@ -8,6 +8,9 @@ use super::settings::{SCALES, Settings, ThemeChoice};
 use super::status::short;
 use super::view_bar;
 use super::viewport::Viewport;
+use super::widgets::{check_box, radio_button};
+
+const PRESETS: &str = "The designs to start from, beside the cloth.";
 
 /// The menu bar.
 pub fn menu(
@@ -15,6 +18,7 @@ pub fn menu(
     document: &Document,
     viewport: &Viewport,
     settings: &Settings,
+    has_presets: bool,
     commands: &mut Vec<Command>,
 ) {
     MenuBar::new().ui(ui, |ui| {
@@ -65,6 +69,12 @@ pub fn menu(
         });
         ui.menu_button("View", |ui| {
             view_bar::menu(ui, &document.design, viewport, commands);
+            let mut shows = has_presets;
+            let check = check_box(ui, &mut shows, "Presets");
+            if check.on_hover_text(PRESETS).clicked() {
+                commands.push(Command::ShowPresets(shows));
+                ui.close();
+            }
             let scale = settings.scale;
             ui.menu_button("Interface scale", |ui| scales(ui, scale, commands));
             ui.menu_button("Theme", |ui| themes(ui, settings.theme, commands));
@@ -98,7 +108,7 @@ fn scales(ui: &mut Ui, now: u32, commands: &mut Vec<Command>) {
     item(ui, "Smaller", true, Command::ScaleStep(-1), commands);
     ui.separator();
     for scale in SCALES {
-        if ui.radio(scale == now, format!("{scale} %")).clicked() {
+        if radio_button(ui, scale == now, format!("{scale} %")).clicked() {
             commands.push(Command::Scale(scale));
             ui.close();
         }
@@ -112,7 +122,7 @@ fn themes(ui: &mut Ui, now: ThemeChoice, commands: &mut Vec<Command>) {
         (ThemeChoice::Dark, "Dark"),
         (ThemeChoice::Light, "Light"),
     ] {
-        if ui.radio(now == choice, name).clicked() {
+        if radio_button(ui, now == choice, name).clicked() {
             commands.push(Command::Theme(choice));
             ui.close();
         }
@@ -129,7 +139,13 @@ pub fn item(ui: &mut Ui, text: &str, enabled: bool, command: Command, commands: 
 }
 
 /// The toolbar.
-pub fn toolbar(ui: &mut Ui, document: &Document, viewport: &Viewport, commands: &mut Vec<Command>) {
+pub fn toolbar(
+    ui: &mut Ui,
+    document: &Document,
+    viewport: &Viewport,
+    has_presets: bool,
+    commands: &mut Vec<Command>,
+) {
     ui.horizontal_centered(|ui| {
         tool(
             ui,
@@ -184,6 +200,10 @@ pub fn toolbar(ui: &mut Ui, document: &Document, viewport: &Viewport, commands: 
             Command::Export,
             commands,
         );
+        if !has_presets {
+            let command = Command::ShowPresets(true);
+            tool(ui, "Presets", PRESETS, true, command, commands);
+        }
     });
 }
 

@@ -42,6 +42,8 @@ pub enum Command {
     ScaleStep(i32),
     /// Light or dark.
     Theme(ThemeChoice),
+    /// Show the presets, or hide them.
+    ShowPresets(bool),
     /// Forget the recent files.
     ClearRecent,
     /// Open the export window.

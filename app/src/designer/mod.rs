@@ -22,6 +22,7 @@ mod filing;
 mod folders;
 mod help;
 mod keeper;
+mod keyboard_focus;
 pub mod length_pictures;
 mod live_light;
 mod notices;
@@ -67,6 +68,7 @@ use crate::backend::BackendChoice;
 use dialogs::Dialogs;
 use export::Export;
 use filing::Filing;
+use keyboard_focus::KeyboardFocus;
 use notices::Notices;
 use panels::{Panels, Surroundings};
 use presets::Presets;
@@ -75,6 +77,8 @@ use viewport::Viewport;
 
 /// Width beside the panels from which the presets stay while the chart editor is open, points.
 const ROOM_FOR_PRESETS: f32 = 1100.0;
+/// Width that is left to the cloth before the presets give way, points.
+const ROOM_FOR_CLOTH: f32 = 280.0;
 /// Width of the document's panels at the first start, points.
 const PANELS_WIDTH: f32 = 356.0;
 /// Width of the presets at the first start, points.
@@ -110,6 +114,9 @@ pub struct App {
     /// Frames left to wait for what the clipboard was asked for.
     pasting: Option<u32>,
     help_is_open: bool,
+    focus: KeyboardFocus,
+    /// Whether the presets were shown in the last frame.
+    has_presets: bool,
     /// Whether the cloth fills the window, without panels.
     is_alone: bool,
     title: String,
@@ -191,6 +198,8 @@ impl App {
             is_quitting: false,
             pasting: None,
             help_is_open: false,
+            focus: KeyboardFocus::default(),
+            has_presets: true,
             is_alone: false,
             title: String::new(),
             commands: Vec::new(),
@@ -246,13 +255,28 @@ impl App {
         let mut commands = std::mem::take(&mut self.commands);
         Panel::top("menu").frame(bar).show(ui, |ui| {
             let settings = &self.filing.settings;
-            bars::menu(ui, &self.document, &self.viewport, settings, &mut commands);
+            let has_presets = self.has_presets;
+            bars::menu(
+                ui,
+                &self.document,
+                &self.viewport,
+                settings,
+                has_presets,
+                &mut commands,
+            );
         });
         Panel::top("toolbar")
             .frame(bar)
             .exact_size(32.0)
             .show(ui, |ui| {
-                bars::toolbar(ui, &self.document, &self.viewport, &mut commands);
+                let has_presets = self.has_presets;
+                bars::toolbar(
+                    ui,
+                    &self.document,
+                    &self.viewport,
+                    has_presets,
+                    &mut commands,
+                );
             });
         Panel::bottom("status").frame(bar).show(ui, |ui| {
             status::show(ui, &self.document.design, &self.viewport, &mut commands);
@@ -273,20 +297,28 @@ impl App {
                     commands: &mut commands,
                     small_pictures: &mut self.small_pictures,
                     step_name: &mut step_name,
+                    focus: &self.focus,
                 };
                 let design = &mut self.document.design;
                 self.panels.show(ui, design, &mut around);
             });
-        // In a small window the chart editor and the cloth need the room.
-        if !self.panels.chart_editor_is_open() || ui.available_width() > ROOM_FOR_PRESETS {
-            let width = self.filing.settings.presets_width.unwrap_or(PRESETS_WIDTH);
+        // In a small window the cloth, and the chart editor, need the room.
+        let width = self.filing.settings.presets_width.unwrap_or(PRESETS_WIDTH);
+        let has_room = if self.panels.chart_editor_is_open() {
+            ui.available_width() > ROOM_FOR_PRESETS
+        } else {
+            ui.available_width() > width + ROOM_FOR_CLOTH
+        };
+        self.has_presets = self.filing.settings.shows_presets.unwrap_or(has_room);
+        if self.has_presets {
             let right = Panel::right("presets")
                 .frame(side)
                 .resizable(true)
                 .default_size(width)
                 .size_range(150.0..=320.0)
                 .show(ui, |ui| {
-                    self.presets.show(ui, self.document.path(), &mut commands);
+                    self.presets
+                        .show(ui, self.document.path(), &self.focus, &mut commands);
                 });
             self.filing.remember_presets(right.response.rect.width());
         }
@@ -295,8 +327,8 @@ impl App {
             Panel::left("chart editor")
                 .frame(side.inner_margin(Margin::symmetric(8, 6)))
                 .resizable(true)
-                .default_size((room * 0.6).floor())
-                .size_range(320.0..=(room - 120.0).max(321.0))
+                .default_size((room * 0.6).max((room - 80.0).min(320.0)).floor())
+                .size_range(room.min(320.0) * 0.7..=(room - 80.0).max(241.0))
                 .show(ui, |ui| {
                     let design = &mut self.document.design;
                     let named = self.panels.show_chart_editor(ui, design);
@@ -366,6 +398,7 @@ impl eframe::App for App {
         if self.is_lost(&ctx) {
             return;
         }
+        self.focus.follow(&ctx);
         self.close_requested(&ctx);
         self.take_pictures(&ctx);
         self.small_pictures.give_way(self.viewport.shown().hurry());
@@ -377,6 +410,7 @@ impl eframe::App for App {
         if !is_asking {
             command::take_shortcuts(&ctx, &mut self.commands);
             self.leave_alone(&ctx);
+            self.close_by_escape(&ctx);
         }
         self.lay_out(ui);
         self.take_export(&ctx);
@@ -399,5 +433,6 @@ impl eframe::App for App {
         self.document.settle(gesture_goes_on);
         self.look_after_files(&ctx, gesture_goes_on);
         self.set_title(&ctx);
+        self.focus.ring(&ctx);
     }
 }

@@ -41,6 +41,8 @@ pub struct Settings {
     pub panels_width: Option<f32>,
     /// Width of the presets, points.
     pub presets_width: Option<f32>,
+    /// Whether presets are shown; without, where there is room for them.
+    pub shows_presets: Option<bool>,
     /// Files last opened or saved, the latest first.
     pub recent: Vec<PathBuf>,
     /// Whether panels are open, by title.
@@ -56,6 +58,7 @@ impl Default for Settings {
             scale: 100,
             panels_width: None,
             presets_width: None,
+            shows_presets: None,
             recent: Vec::new(),
             open_panels: BTreeMap::new(),
             folders: BTreeMap::new(),

@@ -1,6 +1,6 @@
 //! The status bar: how far the picture is, what it is made of, what lies under the pointer, what renders.
 
-use egui::{RichText, Sense, Sides, Stroke, StrokeKind, Ui, vec2};
+use egui::{Color32, RichText, Sense, Sides, Stroke, StrokeKind, TextStyle, Ui, vec2};
 use renderer_core::design::Design;
 use renderer_core::render::BackendKind;
 
@@ -94,12 +94,11 @@ fn scale_text(magnification: f64) -> String {
 fn left(ui: &mut Ui, viewport: &Viewport) {
     let shown = viewport.shown();
     let parts = parts(viewport, shown, viewport.magnification(ui.ctx()));
-    let texts: Vec<&str> = parts.iter().map(|Part(text, _)| text.as_str()).collect();
     let lines = parts
         .iter()
         .map(|Part(text, what)| format!("{text}: {what}"));
     let tooltip = lines.collect::<Vec<_>>().join("\n");
-    ui.label(RichText::new(texts.join("   ·   ")).weak())
+    ui.label(RichText::new(fitting(ui, &parts)).weak())
         .on_hover_text(tooltip);
     if !shown.warnings.is_empty() {
         let lines: Vec<String> = shown.warnings.iter().map(ToString::to_string).collect();
@@ -109,6 +108,26 @@ fn left(ui: &mut Ui, viewport: &Viewport) {
         ui.colored_label(ui.visuals().warn_fg_color, text)
             .on_hover_text(lines.join("\n"));
     }
+}
+
+/// As many of the parts as there is room for, the first always.
+fn fitting(ui: &Ui, parts: &[Part]) -> String {
+    let font = TextStyle::Body.resolve(ui.style());
+    let mut fitting = String::new();
+    for Part(text, _) in parts {
+        let longer = match fitting.as_str() {
+            "" => text.clone(),
+            shorter => format!("{shorter}   ·   {text}"),
+        };
+        let galley = ui
+            .painter()
+            .layout_no_wrap(longer.clone(), font.clone(), Color32::WHITE);
+        if !fitting.is_empty() && galley.size().x > ui.available_width() {
+            break;
+        }
+        fitting = longer;
+    }
+    fitting
 }
 
 /// What lies under the pointer.

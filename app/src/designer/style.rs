@@ -27,6 +27,8 @@ struct Palette {
     sunken: Color32,
     /// Buttons at rest, under the pointer, pressed.
     button: [Color32; 3],
+    /// What is left of a slider's rail, and the handle of a scroll bar.
+    rail: Color32,
     /// Lines between parts.
     line: Color32,
     /// Outline of controls.
@@ -54,6 +56,7 @@ const DARK: Palette = Palette {
         Color32::from_rgb(0x48, 0x4a, 0x4d),
         Color32::from_rgb(0x55, 0x58, 0x5c),
     ],
+    rail: Color32::from_rgb(0x4c, 0x4e, 0x51),
     line: Color32::from_rgb(0x3b, 0x3d, 0x3f),
     outline: Color32::from_rgb(0x4a, 0x4c, 0x4f),
     text: Color32::from_rgb(0xd6, 0xd7, 0xd8),
@@ -75,6 +78,7 @@ const LIGHT: Palette = Palette {
         Color32::from_rgb(0xd3, 0xd5, 0xd6),
         Color32::from_rgb(0xc4, 0xc7, 0xc9),
     ],
+    rail: Color32::from_rgb(0xc6, 0xc8, 0xc9),
     line: Color32::from_rgb(0xd4, 0xd5, 0xd5),
     outline: Color32::from_rgb(0xb9, 0xbb, 0xbc),
     text: Color32::from_rgb(0x2b, 0x2d, 0x2f),
@@ -110,6 +114,16 @@ pub fn viewport_ground(visuals: &Visuals) -> Color32 {
 /// Colour of lines that matter: curves, the outline of what has the keyboard's focus.
 pub fn accent(visuals: &Visuals) -> Color32 {
     visuals.hyperlink_color
+}
+
+/// Outline of a box or circle that can be switched on: three times as light or dark as what is around it, in panels and
+/// in windows.
+pub fn mark_outline(visuals: &Visuals) -> Color32 {
+    if visuals.dark_mode {
+        Color32::from_gray(0x88)
+    } else {
+        Color32::from_gray(0x80)
+    }
 }
 
 /// Colour of a stitch in the pattern editor, and of its glyph.
@@ -197,7 +211,10 @@ fn visuals(palette: &Palette, base: Visuals) -> Visuals {
         weak_text_color: Some(palette.weak_text),
         widgets: Widgets {
             noninteractive: widget(palette.panel, palette.line, palette.text),
-            inactive: widget(rest, palette.line, palette.text),
+            inactive: WidgetVisuals {
+                bg_fill: palette.rail,
+                ..widget(rest, palette.line, palette.text)
+            },
             hovered: widget(over, palette.outline, palette.strong_text),
             active: widget(pressed, palette.accent, palette.strong_text),
             open: widget(over, palette.outline, palette.strong_text),

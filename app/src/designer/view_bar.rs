@@ -9,6 +9,7 @@ use super::command::{Command, keys_of};
 use super::live_light::LiveLight;
 use super::viewport::Viewport;
 use super::viewport::command::{KEYS, ViewCommand};
+use super::widgets::{check_box, radio_button};
 use crate::backend::BackendChoice;
 
 /// Backends in menu order.
@@ -99,7 +100,7 @@ pub fn menu(ui: &mut Ui, design: &Design, viewport: &Viewport, commands: &mut Ve
     for toggle in &TOGGLES {
         let mut is_on = (toggle.is_on)(viewport);
         let text = format!("{}{}", toggle.name, key_text(&toggle.command));
-        let check = ui.checkbox(&mut is_on, text).on_hover_text(toggle.what);
+        let check = check_box(ui, &mut is_on, text).on_hover_text(toggle.what);
         if check.accessible_name(toggle.name).clicked() {
             commands.push(Command::View(toggle.command.clone()));
             ui.close();
@@ -214,7 +215,7 @@ fn compare(ui: &mut Ui, viewport: &Viewport, commands: &mut Vec<Command>) {
     ui.add_enabled_ui(has_snapshot, |ui| {
         let mut is_on = viewport.is_comparing();
         let text = format!("Show beside the picture{}", key_text(&ViewCommand::Compare));
-        let check = ui.checkbox(&mut is_on, text);
+        let check = check_box(ui, &mut is_on, text);
         let check = check
             .on_hover_text("The snapshot left of the divider, the cloth as it is now right of it.")
             .on_disabled_hover_text("Take a snapshot first.");
@@ -255,7 +256,7 @@ fn key_text(command: &ViewCommand) -> String {
 /// Backends to choose from.
 pub fn backends(ui: &mut Ui, now: BackendChoice, commands: &mut Vec<Command>) {
     for choice in BACKENDS {
-        let radio = ui.radio(choice == now, backend_name(choice));
+        let radio = radio_button(ui, choice == now, backend_name(choice));
         if radio.on_hover_text(backend_what(choice)).clicked() {
             commands.push(Command::Backend(choice));
             ui.close();
@@ -266,7 +267,7 @@ pub fn backends(ui: &mut Ui, now: BackendChoice, commands: &mut Vec<Command>) {
 /// Lights to choose from.
 pub fn live_lights(ui: &mut Ui, now: LiveLight, commands: &mut Vec<Command>) {
     for light in LiveLight::ALL {
-        let radio = ui.radio(light == now, light.name());
+        let radio = radio_button(ui, light == now, light.name());
         if radio.on_hover_text(light.what()).clicked() {
             commands.push(Command::LiveLight(light));
             ui.close();

@@ -1,6 +1,6 @@
 //! Carries out what is asked of the view.
 
-use egui::{Context, Key, Modifiers, ViewportCommand};
+use egui::{Context, Key, Modifiers, Popup, ViewportCommand};
 use renderer_core::design::{CameraDesign, Design};
 
 use super::App;
@@ -81,6 +81,20 @@ impl App {
     pub(super) fn leave_alone(&mut self, ctx: &Context) {
         if self.is_alone && ctx.input_mut(|i| i.consume_key(Modifiers::NONE, Key::Escape)) {
             self.set_alone(ctx, false);
+        }
+    }
+
+    /// Escape closes the help, else the export window, unless something nearer takes it: a menu that is open, or what has
+    /// the keyboard, which gives it up.
+    pub(super) fn close_by_escape(&mut self, ctx: &Context) {
+        let is_taken = self.focus.had_focus() || Popup::is_any_open(ctx);
+        let is_open = self.help_is_open || self.export.is_open;
+        if is_open && !is_taken && ctx.input_mut(|i| i.consume_key(Modifiers::NONE, Key::Escape)) {
+            if self.help_is_open {
+                self.help_is_open = false;
+            } else {
+                self.export.is_open = false;
+            }
         }
     }
 

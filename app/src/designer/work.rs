@@ -37,6 +37,7 @@ impl App {
                 self.set_scale(ctx, percent);
             }
             Command::Theme(theme) => self.set_theme(ctx, theme),
+            Command::ShowPresets(shows) => self.filing.settings.shows_presets = Some(shows),
             Command::ClearRecent => self.filing.settings.recent.clear(),
             Command::Export => {
                 let design = &self.document.design;

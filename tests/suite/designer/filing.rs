@@ -597,6 +597,34 @@ fn a_full_disk_and_a_device_are_told() {
 
 #[cfg(target_os = "linux")]
 #[test]
+fn a_folder_that_takes_no_files_is_told() {
+    let user = User::new();
+    let mut harness = user.start(None);
+    type_number(&mut harness, "Wefts", "44");
+    key(&mut harness, Modifiers::COMMAND, Key::S);
+    // The kernel's own folder: not even an administrator, as whom tests may run, can write there.
+    type_path(&mut harness, Path::new("/sys/one.toml"));
+    click(&mut harness, "Save file");
+    wait_for_label(&mut harness, "Not saved");
+    assert!(is_told(&harness, "/sys/one.toml"));
+    assert!(harness.state().document().is_unsaved());
+    assert_eq!(design(&harness).sheet.wefts, 44);
+    // Elsewhere it can be saved.
+    key(&mut harness, Modifiers::COMMAND, Key::S);
+    type_path(&mut harness, &user.at("one.toml"));
+    click(&mut harness, "Save file");
+    wait_for_document(&mut harness, "one");
+    assert_eq!(
+        files::load_design(&user.at("one.toml"))
+            .unwrap()
+            .sheet
+            .wefts,
+        44
+    );
+}
+
+#[cfg(target_os = "linux")]
+#[test]
 fn names_that_are_no_text_are_files_too() {
     use std::ffi::OsStr;
     use std::os::unix::ffi::OsStrExt;

@@ -640,6 +640,7 @@ fn fast_light_is_offered_only_where_it_means_something() {
     assert!(harness.query_by_label(label).is_none(), "one bounce");
     type_number(&mut harness, "Bounces", "8");
     assert!(harness.query_by_label(label).is_some());
+    open_panel(&mut harness, "More about quality");
     type_number(&mut harness, "Traced bounces", "2");
     assert!(harness.query_by_label(label).is_none(), "the design says");
 }

@@ -16,7 +16,8 @@ use super::canvas::{ZOOM_STEP, colour_at};
 use super::work::put;
 use super::{ChartEditor, Tool};
 use crate::designer::panels::yarn_name;
-use crate::designer::widgets::{Icon, IconButton};
+use crate::designer::style;
+use crate::designer::widgets::{Icon, IconButton, check_box, colour_well};
 
 /// Most yarns that have a swatch to paint with.
 const MOST_SWATCHES: usize = 24;
@@ -185,7 +186,7 @@ fn resize_form(ui: &mut Ui, editor: &mut ChartEditor, image: &ChartImage, sheet:
                     *width = other(*height as f64 / shape);
                 }
             });
-            ui.checkbox(&mut form.keeps_proportions, "Keep proportions")
+            check_box(ui, &mut form.keeps_proportions, "Keep proportions")
                 .on_hover_text("Width and height change together.");
             let [warps, wefts] = sheet_size(sheet);
             let to_sheet = ui.button(format!("As the cloth: {warps} × {wefts}"));
@@ -243,8 +244,7 @@ fn colours(ui: &mut Ui, editor: &mut ChartEditor, image: &ChartImage, counts: &m
     let [r, g, b, alpha] = editor.colour;
     let mut rgb = [r, g, b];
     let label = ui.label("Paint");
-    let button = ui
-        .color_edit_button_srgb(&mut rgb)
+    let button = colour_well(ui, &mut rgb)
         .labelled_by(label.id)
         .on_hover_text("Colour to paint with.");
     if button.changed() {
@@ -269,6 +269,7 @@ fn colours(ui: &mut Ui, editor: &mut ChartEditor, image: &ChartImage, counts: &m
         let name = format!("Paint with {}", yarn_name(index, yarn.colour));
         let mut button = Button::new("")
             .fill(egui::Color32::from_rgb(r, g, b))
+            .stroke(Stroke::new(1.0, style::mark_outline(ui.visuals())))
             .min_size(vec2(20.0, 20.0));
         if editor.colour == yarn.colour {
             button = button.stroke(Stroke::new(2.0, ui.visuals().strong_text_color()));
@@ -366,7 +367,7 @@ pub fn status(ui: &mut Ui, editor: &mut ChartEditor, chart: &Chart, sheet: &Shee
                 {
                     editor.canvas.scale = None;
                 }
-                ui.checkbox(&mut editor.shows_grid, "Yarn grid").on_hover_text(
+                check_box(ui, &mut editor.shows_grid, "Yarn grid").on_hover_text(
                     "Lines between the crossings of the cloth; of every tenth where they would be too dense.",
                 );
                 if let Some(place) = editor.under {

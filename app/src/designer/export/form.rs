@@ -8,6 +8,7 @@ use renderer_core::render::MAX_SIDE;
 
 use crate::backend::BackendChoice;
 use crate::designer::view_bar::{BACKENDS, backend_name};
+use crate::designer::widgets::check_box;
 use crate::picture_file::{BAND_BYTES, Bands};
 
 /// Kinds of files.
@@ -143,7 +144,7 @@ impl Form {
                 self.sizes(ui);
                 self.stops(ui);
                 ui.label("Background");
-                ui.checkbox(&mut self.transparent, "transparent").on_hover_text(
+                check_box(ui, &mut self.transparent, "transparent").on_hover_text(
                     "Leaves the background out: the cloth alone, to be laid over something else.",
                 );
                 ui.end_row();
@@ -236,8 +237,7 @@ impl Form {
         ui.end_row();
         ui.label("");
         let mut keeps = self.proportion.is_some();
-        if ui
-            .checkbox(&mut keeps, "keep the proportion")
+        if check_box(ui, &mut keeps, "keep the proportion")
             .on_hover_text("Width and height change together.")
             .changed()
         {
@@ -379,8 +379,7 @@ struct Quantity {
 fn optional(ui: &mut Ui, value: &mut Option<f64>, quantity: Quantity) {
     ui.horizontal(|ui| {
         let mut on = value.is_some();
-        if ui
-            .checkbox(&mut on, quantity.name)
+        if check_box(ui, &mut on, quantity.name)
             .on_hover_text(quantity.what)
             .changed()
         {

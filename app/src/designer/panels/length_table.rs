@@ -3,7 +3,9 @@
 use egui::{Button, ComboBox, Frame, Margin, Ui};
 use renderer_core::design::{Field, Length, LengthEntry, Phase, Pile, PileKind};
 
-use crate::designer::widgets::{Choice, colour, number, number_value, optional_number};
+use crate::designer::widgets::{
+    Choice, colour, colour_well, number, number_value, optional_number,
+};
 
 /// Which row shows all it has.
 #[derive(Default)]
@@ -40,7 +42,7 @@ pub fn show(ui: &mut Ui, state: &mut State, length: &mut Length, pile: &Pile) {
 fn line(ui: &mut Ui, state: &mut State, index: usize, entry: &mut LengthEntry) -> bool {
     let row = index + 1;
     ui.horizontal(|ui| {
-        ui.color_edit_button_srgb(&mut entry.colour.0)
+        colour_well(ui, &mut entry.colour.0)
             .accessible_name(format!("Colour of row {row}"))
             .on_hover_text(
                 "The chart's colour this row is for; other colours go to the nearest row.",
@@ -76,7 +78,7 @@ fn kind(ui: &mut Ui, row: usize, kind: &mut Option<PileKind>) {
     let name = kind.map_or(as_pile, Choice::label);
     let combo = ComboBox::from_id_salt("kind")
         .selected_text(name)
-        .width(84.0)
+        .width(96.0)
         .truncate()
         .show_ui(ui, |ui| {
             ui.selectable_value(kind, None, as_pile);

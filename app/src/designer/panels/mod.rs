@@ -25,6 +25,7 @@ pub use chart::yarn_name;
 pub use ready_lights::ReadyLight;
 
 use super::command::Command;
+use super::keyboard_focus::KeyboardFocus;
 use super::small_pictures::SmallPictures;
 
 /// What panels remember that is no part of the design.
@@ -52,6 +53,8 @@ pub struct Surroundings<'a> {
     pub step_name: &'a mut Option<String>,
     /// Where panels put what they ask for.
     pub commands: &'a mut Vec<Command>,
+    /// What has the keyboard.
+    pub focus: &'a KeyboardFocus,
     /// Draws thumbnails.
     pub small_pictures: &'a mut SmallPictures,
 }
@@ -126,6 +129,7 @@ impl Panels {
                 }
             }
             ui.add_space(24.0);
+            around.focus.reveal(ui);
         });
         sheet_weave::show_window(ui.ctx(), &mut self.sheet_weave, design);
     }
@@ -166,7 +170,9 @@ fn section(
             for fault in faults {
                 ui.colored_label(ui.visuals().error_fg_color, fault);
             }
-            body(ui, around);
+            // Panels have rows of the same names, which else would be the same to egui: the menu of one would open that of
+            // the other, and Tab would go round between them.
+            ui.push_id(title, |ui| body(ui, around));
             for warning in warnings {
                 let text = RichText::new(warning).small();
                 ui.label(text.color(ui.visuals().warn_fg_color));

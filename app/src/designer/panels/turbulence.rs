@@ -91,22 +91,25 @@ fn reset(ui: &mut Ui, design: &mut Design) -> bool {
 fn told(channel: usize, pile: &Pile) -> [String; 3] {
     let degrees = |angle: f64| format!("± {angle:.0}°");
     let percent = format!("± {:.0} %", 100.0 * pile.stretch);
-    let (what, reach) = match channel {
+    let (name, what, reach) = match channel {
         0 => (
-            "how far loops lean sideways, along the weft",
+            "tilt sideways",
+            "how far loops lean along the weft",
             degrees(pile.tilt),
         ),
         1 => (
-            "how far loops lean lengthwise, along the warp",
+            "tilt lengthwise",
+            "how far loops lean along the warp",
             degrees(pile.tilt),
         ),
-        2 => ("how much longer or shorter loops are", percent),
+        2 => ("stretch", "how much longer or shorter loops are", percent),
         _ => (
+            "twist",
             "how far loops are turned about themselves",
             degrees(pile.twist),
         ),
     };
-    [CHANNELS[channel].into(), what.into(), reach]
+    [name.into(), what.into(), reach]
 }
 
 fn thumbnails(ui: &mut Ui, state: &mut State, design: &Design) {

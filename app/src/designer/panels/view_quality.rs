@@ -4,7 +4,7 @@ use egui::Ui;
 use renderer_core::design::{Design, Method, Quality, View};
 
 use super::{Surroundings, cameras};
-use crate::designer::widgets::{check, choice, number, subheading};
+use crate::designer::widgets::{check, choice, more, number, subheading};
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, design: &mut Design, around: &mut Surroundings<'_>) {
@@ -27,22 +27,24 @@ pub fn show(ui: &mut Ui, design: &mut Design, around: &mut Surroundings<'_>) {
         &mut quality.method,
     );
     number(ui, &fields.bounces, &mut quality.bounces);
-    number(ui, &fields.traced_bounces, &mut quality.traced_bounces);
     number(ui, &fields.samples, &mut quality.samples);
     number(ui, &fields.error, &mut quality.error);
-    let marches = matches!(quality.method, Method::Exact | Method::SixFace);
-    ui.add_enabled_ui(marches, |ui| number(ui, &fields.step, &mut quality.step));
-    number(ui, &fields.seed, &mut quality.seed);
-    choice(
-        ui,
-        "Sampler",
-        "Where random numbers come from.",
-        &mut quality.sampler,
-    );
     check(
         ui,
         "Shadows",
         "Pile and ground weave shade each other; without, light reaches every point they scatter it from.",
         &mut quality.shadows,
     );
+    more(ui, "More about quality", |ui| {
+        number(ui, &fields.traced_bounces, &mut quality.traced_bounces);
+        let marches = matches!(quality.method, Method::Exact | Method::SixFace);
+        ui.add_enabled_ui(marches, |ui| number(ui, &fields.step, &mut quality.step));
+        number(ui, &fields.seed, &mut quality.seed);
+        choice(
+            ui,
+            "Sampler",
+            "Where random numbers come from.",
+            &mut quality.sampler,
+        );
+    });
 }

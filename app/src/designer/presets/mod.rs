@@ -15,6 +15,7 @@ use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 
 use super::command::Command;
 use super::folders::Folders;
+use super::keyboard_focus::KeyboardFocus;
 use super::small_pictures::{Job, Key, SmallPictures, Subject};
 use super::tasks::{Poll, Task};
 use crate::files::{self, Outline, Shipped, is_bundle};
@@ -198,12 +199,19 @@ impl Presets {
     }
 
     /// Shows the list; `open` is the document's file.
-    pub fn show(&mut self, ui: &mut Ui, open: Option<&Path>, commands: &mut Vec<Command>) {
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        open: Option<&Path>,
+        focus: &KeyboardFocus,
+        commands: &mut Vec<Command>,
+    ) {
         ui.add_space(2.0);
         ui.label(RichText::new("Presets").strong().size(13.5));
         ui.add_space(2.0);
         let search = TextEdit::singleline(&mut self.search)
             .hint_text("Search")
+            .align(egui::Align2::LEFT_CENTER)
             .desired_width(ui.available_width() - 6.0);
         ui.add(search)
             .accessible_name("Search presets")
@@ -243,6 +251,7 @@ impl Presets {
                 self.row(ui, preset, open, commands);
             }
             ui.add_space(12.0);
+            focus.reveal(ui);
         });
     }
 

@@ -7,6 +7,7 @@ use renderer_core::design::{
 };
 
 use super::row::row;
+use super::toggle::{check_box, colour_well};
 
 /// One of a closed list of values.
 pub trait Choice: Copy + PartialEq + 'static {
@@ -50,7 +51,7 @@ pub fn choice<C: Choice>(ui: &mut Ui, name: &str, what: &str, value: &mut C) {
 /// Row with a check box.
 pub fn check(ui: &mut Ui, name: &str, what: &str, value: &mut bool) {
     row(ui, name, what, |ui, label| {
-        ui.checkbox(value, "")
+        check_box(ui, value, "")
             .labelled_by(label.id)
             .on_hover_text(what);
     });
@@ -65,7 +66,7 @@ pub fn colour(ui: &mut Ui, name: &str, what: &str, value: &mut Colour) {
 
 /// The controls of a colour without their row, named by `label`.
 pub fn colour_value(ui: &mut Ui, what: &str, value: &mut Colour, label: &Response) {
-    ui.color_edit_button_srgb(&mut value.0)
+    colour_well(ui, &mut value.0)
         .labelled_by(label.id)
         .on_hover_text(what);
     hex(ui, value).labelled_by(label.id);

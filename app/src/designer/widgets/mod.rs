@@ -11,6 +11,7 @@ mod number_row;
 mod row;
 pub mod shapes;
 mod thumbnail;
+mod toggle;
 
 pub use choice_row::{Choice, check, choice, colour, colour_value};
 pub use curve_editor::{CurveEditor, curve_editor};
@@ -22,3 +23,4 @@ pub use keys::arrow_keys;
 pub use number_row::{number, number_value, optional_number};
 pub use row::{label_of, more, row, subheading};
 pub use thumbnail::{Thumbnail, show_thumbnail};
+pub use toggle::{check_box, colour_well, radio_button};

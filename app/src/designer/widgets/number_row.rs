@@ -8,6 +8,7 @@ use renderer_core::sampling::hash;
 use super::icon::Icon;
 use super::icon_button::IconButton;
 use super::row::{fixed_text, label_of, row};
+use super::toggle::check_box;
 use crate::designer::style::{ROW_HEIGHT, UNIT_WIDTH, VALUE_WIDTH};
 
 /// Row with label, slider, typed value and unit. Double clicks on the label or the slider set the default.
@@ -28,7 +29,7 @@ pub fn optional_number(
 ) {
     row(ui, name, &tooltip(field), |ui, label| {
         let mut on = value.is_some();
-        let check = ui.checkbox(&mut on, "").labelled_by(label.id);
+        let check = check_box(ui, &mut on, "").labelled_by(label.id);
         if check.on_hover_text(field.what.trim()).changed() {
             *value = on.then_some(start);
         }

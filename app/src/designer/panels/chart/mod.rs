@@ -12,7 +12,7 @@ pub use yarns::yarn_name;
 use super::Surroundings;
 use crate::designer::chart_editor::ChartEditor;
 use crate::designer::command::Command;
-use crate::designer::widgets::{Thumbnail, check, choice, colour, row, show_thumbnail};
+use crate::designer::widgets::{Thumbnail, check, check_box, choice, colour, row, show_thumbnail};
 
 /// Picture of the chart, its yarns, and the editor.
 #[derive(Default)]
@@ -136,7 +136,7 @@ fn picture(ui: &mut Ui, state: &mut State, chart: &Chart, sheet: &Sheet) {
             ui.add(egui::Label::new(egui::RichText::new(text).weak()).wrap())
                 .on_hover_text(path);
             edit_button(ui, &mut state.editor);
-            ui.checkbox(&mut state.shows_grid, "Grid").on_hover_text(
+            check_box(ui, &mut state.shows_grid, "Grid").on_hover_text(
                 "Lines between the crossings of the cloth, or every tenth or hundredth of them.",
             );
         });

@@ -5,10 +5,12 @@ mod legend;
 mod ready;
 mod tools;
 
-use egui::{Context, RichText, ScrollArea, Ui, Vec2, Window, vec2};
-use renderer_core::design::{Anchor, Back, Design, NewCells, Pattern, STITCHES, Sheet, Weave};
+use egui::{Context, DragValue, RichText, ScrollArea, Ui, Vec2, Window, vec2};
+use renderer_core::design::{
+    Anchor, Back, Design, Field, NewCells, Pattern, STITCHES, Sheet, Weave,
+};
 
-use crate::designer::style;
+use crate::designer::style::{self, ROW_HEIGHT, VALUE_WIDTH};
 use crate::designer::widgets::{
     GridAccess, GridCell, GridEditor, GridView, Icon, IconButton, choice, grid_editor, number, row,
     subheading,
@@ -53,11 +55,7 @@ pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design) {
     number(ui, &fields.wefts, &mut sheet.wefts);
     number(ui, &fields.warps_per_cm, &mut sheet.warps_per_cm);
     number(ui, &fields.wefts_per_cm, &mut sheet.wefts_per_cm);
-    row(ui, "Size", "Width and length of the cloth.", |ui, _| {
-        let width = f64::from(sheet.warps) * sheet.pitch_x() / 10.0;
-        let length = f64::from(sheet.wefts) * sheet.pitch_y() / 10.0;
-        ui.weak(format!("{width:.1} × {length:.1} cm"));
-    });
+    size(ui, sheet);
     let weave = &mut design.weave;
     choice(
         ui,
@@ -89,6 +87,61 @@ pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design) {
         place(ui, state, &weave.pattern);
     }
     tell_of_bare_back(ui, weave);
+}
+
+/// Width and length of the cloth, which are read and typed in cm and kept as numbers of yarns.
+fn size(ui: &mut Ui, sheet: &mut Sheet) {
+    let what = "Width and length of the cloth: changes how many yarns there are, not how closely they stand.";
+    row(ui, "Size", what, |ui, _| {
+        let fields = Sheet::FIELDS;
+        let width = Side {
+            name: "Width of the cloth",
+            field: &fields.warps,
+            per_cm: sheet.warps_per_cm,
+        };
+        side(ui, width, &mut sheet.warps);
+        ui.label("×");
+        let length = Side {
+            name: "Length of the cloth",
+            field: &fields.wefts,
+            per_cm: sheet.wefts_per_cm,
+        };
+        side(ui, length, &mut sheet.wefts);
+        ui.weak("cm");
+    });
+}
+
+/// A side of the cloth.
+struct Side<'a> {
+    name: &'static str,
+    /// The number of its yarns.
+    field: &'a Field,
+    per_cm: f64,
+}
+
+fn side(ui: &mut Ui, side: Side<'_>, yarns: &mut u32) {
+    let Side {
+        name,
+        field,
+        per_cm,
+    } = side;
+    let before = f64::from(*yarns) / per_cm;
+    let mut cm = before;
+    let value = DragValue::new(&mut cm)
+        .range(field.min / per_cm..=field.max / per_cm)
+        .clamp_existing_to_range(false)
+        .update_while_editing(false)
+        .speed(0.1)
+        .max_decimals(1);
+    let response = ui
+        .add_sized([VALUE_WIDTH, ROW_HEIGHT], value)
+        .accessible_name(name)
+        .on_hover_text(format!(
+            "{name}, in cm; the yarns stand as closely as before."
+        ));
+    if response.changed() && cm != before {
+        *yarns = (cm * per_cm).round().clamp(field.min, field.max) as u32;
+    }
 }
 
 /// Shows the large window, if it is open.

@@ -1,0 +1,34 @@
+//! Check boxes, radio buttons and colour wells, outlined: what is inside may be as light or dark as what is around, and then
+//! the outline is all that shows there is something to press.
+
+use egui::{Response, Stroke, Ui};
+
+use crate::designer::style;
+
+/// A check box. Without a text it is named by its label.
+pub fn check_box(ui: &mut Ui, value: &mut bool, text: impl Into<String>) -> Response {
+    outlined(ui, |ui| ui.checkbox(value, text.into()))
+}
+
+/// A radio button.
+pub fn radio_button(ui: &mut Ui, is_on: bool, text: impl Into<String>) -> Response {
+    outlined(ui, |ui| ui.radio(is_on, text.into()))
+}
+
+/// A button with a colour, which opens a picker.
+pub fn colour_well(ui: &mut Ui, rgb: &mut [u8; 3]) -> Response {
+    outlined(ui, |ui| ui.color_edit_button_srgb(rgb))
+}
+
+fn outlined(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> Response) -> Response {
+    let outline = Stroke::new(1.0, style::mark_outline(ui.visuals()));
+    ui.scope(|ui| {
+        let ground = ui.visuals().extreme_bg_color;
+        let widgets = &mut ui.visuals_mut().widgets;
+        for look in [&mut widgets.inactive, &mut widgets.hovered] {
+            (look.bg_fill, look.bg_stroke) = (ground, outline);
+        }
+        add(ui)
+    })
+    .inner
+}

@@ -268,7 +268,7 @@ fn stats_say_what_was_done() {
         "--size",
         "20x10",
         "--samples",
-        "4",
+        "16",
     ];
     bench.ok(&[&common[..], &["--stats", "plain.json"]].concat());
     let stats = bench.json("plain.json");
@@ -296,7 +296,7 @@ fn stats_say_what_was_done() {
     assert_eq!(stats["backend"], "cpu");
     assert_eq!(stats["method"], "single");
     assert_eq!(stats["size"], serde_json::json!([20, 10]));
-    assert_eq!(stats["samples"], 4);
+    assert_eq!(stats["samples"], 16);
     // The default checker plants every second crossing of 12 x 10, on both faces.
     assert_eq!(stats["loops"], 120);
     assert_eq!(stats["nonfinite_pixels"], 0);

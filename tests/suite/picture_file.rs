@@ -130,7 +130,7 @@ fn stats_in_bands_are_those_of_the_whole() {
         "--backend",
         "cpu",
         "--samples",
-        "8",
+        "16",
         "--counters",
         "--stats",
         "stats.json",

@@ -5,7 +5,8 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use renderer_core::design::Sampler;
 use renderer_core::sampling::{
-    Pcg, SCRAMBLES, Set, directions, hash, owen_bits, pixel_seed, sample, sobol, unit_float,
+    Pcg, RUN, SCRAMBLES, Set, directions, hash, owen_bits, pixel_seed, sample, samples_of,
+    scramble_of, sobol, unit_float,
 };
 
 /// Sobol's direction numbers from Joe and Kuo's table, by the recurrence of their paper.
@@ -58,8 +59,29 @@ fn sobol_points_are_joe_and_kuos() {
 /// Points first..first + count of one scramble.
 fn scramble_points(seed: u32, scramble: u32, set: Set, first: u32, count: u32) -> Vec<[u32; 4]> {
     (first..first + count)
-        .map(|point| owen_bits(seed, SCRAMBLES * point + scramble, set))
+        .map(|point| owen_bits(seed, sample_number(scramble, point), set))
         .collect()
+}
+
+/// Which sample point `point` of a scramble is.
+fn sample_number(scramble: u32, point: u32) -> u32 {
+    point / RUN * (RUN * SCRAMBLES) + scramble * RUN + point % RUN
+}
+
+#[test]
+fn scrambles_take_turns_by_runs() {
+    for point in 0..5 * RUN {
+        for scramble in 0..SCRAMBLES {
+            assert_eq!(scramble_of(sample_number(scramble, point)), scramble);
+        }
+    }
+    let mut counts = [0; SCRAMBLES as usize];
+    for samples in 0..200 {
+        for (scramble, count) in (0..).zip(counts) {
+            assert_eq!(samples_of(scramble, samples), count);
+        }
+        counts[scramble_of(samples) as usize] += 1;
+    }
 }
 
 #[test]
@@ -126,7 +148,7 @@ fn rms_error(count: u32, mean: impl Fn(u32, u32) -> f64) -> f64 {
 fn owen_points_are_never_much_worse_than_random_on_dyadic_squares() {
     let owen = |seed, count| {
         let value = |k| {
-            let [x, y, ..] = sample(Sampler::Owen, seed, SCRAMBLES * k, Set::Film);
+            let [x, y, ..] = sample(Sampler::Owen, seed, sample_number(0, k), Set::Film);
             checker([x, y])
         };
         (0..count).map(value).sum::<f64>() / f64::from(count)
@@ -274,11 +296,11 @@ fn sets_pixels_and_scrambles_are_independent() {
     ];
     starts.extend([
         first(2, [0, 0], 0),
-        first(1, [0, 0], 1),
-        first(1, [0, 0], 2),
+        first(1, [0, 0], RUN),
+        first(1, [0, 0], 2 * RUN),
     ]);
     starts.extend([
-        first(1, [0, 0], 3),
+        first(1, [0, 0], 3 * RUN),
         first(1, [5, 7], 0),
         first(1, [7, 5], 0),
     ]);

@@ -114,7 +114,7 @@ fn tiles_of_background_are_what_tracing_makes_of_them() {
             }
             let estimates = [&request, &without(&request, Skip::BackgroundTiles)].map(|request| {
                 let mut request = request.clone();
-                request.settings.samples = 4;
+                request.settings.samples = 16;
                 draw(backend, &request).2.error_estimate.unwrap()
             });
             let [on, off] = estimates;

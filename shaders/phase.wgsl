@@ -137,3 +137,16 @@ fn draw_direction(at: Scatter, towards_eye: vec3<f32>, u: vec2<f32>) -> Drawn {
     }
     return Drawn(direction, at.albedo);
 }
+
+// The same towards the environment, with three numbers: points that scatter equally look to the other side of the ground in
+// the share `looks_down` only.
+fn draw_sky_direction(at: Scatter, towards_eye: vec3<f32>, u: vec3<f32>) -> Drawn {
+    if PHASE != PHASE_ISOTROPIC || at.what == GROUND {
+        return draw_direction(at, towards_eye, u.xy);
+    }
+    let down = u.z < scene.looks_down;
+    var direction = uniform_on_sphere(vec2<f32>(0.5 * u.x, u.y));
+    direction.z *= select(-1.0, 1.0, (at.point.z >= 0.0) != down);
+    let share = select(1.0 - scene.looks_down, scene.looks_down, down);
+    return Drawn(direction, at.albedo * (0.5 / share));
+}

@@ -65,7 +65,8 @@ struct SceneConstants {
     skeleton_exponent: f32,
     // Distance of the axes of their fibres, in radii of a fibre, for poulin_fournier.
     fibre_spacing: f32,
-    skeleton_unused: f32,
+    // Share of looks at the environment that go to the other side of the ground.
+    looks_down: f32,
     // Albedo of the ground yarns; w unused.
     skeleton_albedo: vec4<f32>,
     // Radiance of the environment where the sky is 1; w: azimuth of the middle of SKY_IMAGE's picture.

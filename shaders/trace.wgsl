@@ -70,17 +70,17 @@ fn lit(at: Scatter, towards_eye: vec3<f32>, bounce: u32, seed: u32, sample: u32,
     // The environment is the last light: one body for all, since everything here is inlined.
     for (var i = 0u; i < lights; i++) {
         let is_sun = i < SUN_COUNT;
-        let u = sample_set(seed, sample, set_at(bounce, select(SET_ENVIRONMENT, i, is_sun))).xy;
+        let u = sample_set(seed, sample, set_at(bounce, select(SET_ENVIRONMENT, i, is_sun))).xyz;
         var towards_light: vec3<f32>;
         // By the light itself, and by bounced light that comes evenly from all sides.
         var share: vec3<f32>;
         var even_share: vec3<f32>;
         if is_sun {
-            towards_light = sun_direction(scene.suns[i], u);
+            towards_light = sun_direction(scene.suns[i], u.xy);
             share = scattered(at, towards_eye, towards_light) * scene.suns[i].irradiance.xyz;
             even_share = at.albedo * scene.suns[i].irradiance.xyz * (0.25 / PI);
         } else {
-            let drawn = draw_direction(at, towards_eye, u);
+            let drawn = draw_sky_direction(at, towards_eye, u);
             towards_light = drawn.direction;
             share = drawn.weight * environment_radiance(drawn.direction);
             even_share = share;

@@ -19,6 +19,8 @@ pub(super) struct Cloth {
     /// The ground weave, if it is drawn.
     pub ground: Option<Arc<Ground>>,
     pub optics: Arc<Optics>,
+    /// Share of looks at the environment that go to the other side of the ground.
+    pub looks_down: f64,
     /// Extinction of the densest material, 1/mm.
     pub densest: f32,
     pub thickness: f32,
@@ -52,6 +54,7 @@ impl Cloth {
         };
         let densities = scene.pile.materials.iter().map(|m| m.density_per_mm);
         Self {
+            looks_down: f64::from(scene.skeleton.worth_looking_down(&scene.sheet)),
             densest: densities.fold(0.0, f32::max),
             thickness: scene.loops.thickness_mm,
             pitch: grid.pitch().as_vec2(),

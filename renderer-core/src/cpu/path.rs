@@ -179,8 +179,14 @@ impl<'a> PathTracer<'a> {
                     irradiance * (0.25 * FRAC_1_PI),
                 )
             } else {
-                let [u, v, ..] = self.random(Set::Environment { bounce });
-                let (direction, weight) = tracer.cloth.optics.sample(vertex.lobe, view, [u, v]);
+                let [u, v, side, _] = self.random(Set::Environment { bounce });
+                let sides = [1.0_f64.copysign(vertex.position.z), tracer.cloth.looks_down];
+                let (direction, weight) = (tracer.cloth.optics).sample_environment(
+                    vertex.lobe,
+                    view,
+                    sides,
+                    [u, v, side],
+                );
                 let light = environment_radiance(lights, direction) * weight;
                 (direction, light, light)
             };

@@ -209,8 +209,8 @@ mirrors! {
         skeleton_exponent: f32,
         /// Distance of their fibres' axes, in radii of a fibre.
         fibre_spacing: f32,
-        /// Padding.
-        skeleton_unused: f32,
+        /// Share of looks at the environment that go to the other side of the ground.
+        looks_down: f32,
         /// Albedo of the ground yarns.
         skeleton_albedo: [f32; 4],
         /// Radiance of the environment where the sky is 1; azimuth of a picture's middle.

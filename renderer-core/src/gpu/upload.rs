@@ -457,7 +457,7 @@ fn scene_constants(scene: &Scene) -> SceneConstants {
         skeleton_specular: skeleton.specular,
         skeleton_exponent: skeleton.exponent,
         fibre_spacing: 2.0 * skeleton.fibre_spacing,
-        skeleton_unused: 0.0,
+        looks_down: skeleton.worth_looking_down(&scene.sheet),
         skeleton_albedo: rgb(skeleton.albedo.map(f64::from)),
         environment,
         sky_zenith: rgb(zenith),

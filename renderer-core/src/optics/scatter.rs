@@ -228,6 +228,27 @@ impl Optics {
         }
     }
 
+    /// A direction of light from the environment, from three numbers in [0, 1), and ψ/albedo over its density, for a point on
+    /// the side of the sheet that `up` = ±1 tells. Points that scatter equally look to the other side in the share `down`
+    /// only: see [`Skeleton::worth_looking_down`].
+    pub fn sample_environment(
+        &self,
+        lobe: Lobe,
+        view: DVec3,
+        [up, down]: [f64; 2],
+        [u, v, side]: [f64; 3],
+    ) -> (DVec3, f64) {
+        if lobe != Lobe::Isotropic {
+            return self.sample(lobe, view, [u, v]);
+        }
+        let DVec3 { x, y, z } = directions::sphere(0.5 * u, v);
+        if side < down {
+            (DVec3::new(x, y, -up * z), 0.5 / down)
+        } else {
+            (DVec3::new(x, y, up * z), 0.5 / (1.0 - down))
+        }
+    }
+
     /// N_p(θ_v) of one of the exponents, interpolated.
     fn highlight_norm(&self, exponent: usize, cos_view: f64) -> f64 {
         let norms = &self.highlight_norms[exponent];

@@ -199,10 +199,14 @@ impl<'a> PathTracer<'a> {
         if lights.environment == [0.0; 3] {
             return DVec3::ZERO;
         }
-        let [u, v, ..] = self.random(Set::Environment {
+        let [u, v, side, _] = self.random(Set::Environment {
             bounce: gather.bounce,
         });
-        let (direction, weight) = tracer.optics.sample(vertex.lobe, view, [u, v]);
+        let scene = &tracer.scene;
+        let down = scene.skeleton.worth_looking_down(&scene.sheet);
+        let sides = [1.0_f64.copysign(vertex.position.z), f64::from(down)];
+        let (direction, weight) =
+            (tracer.optics).sample_environment(vertex.lobe, view, sides, [u, v, side]);
         let visibility = self.visibility(
             &vertex.leave(direction, SURFACE_OFFSET_MM),
             gather.composited,

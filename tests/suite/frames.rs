@@ -388,7 +388,12 @@ fn loops_stand_where_the_pattern_says() {
         let in_order =
             block_rows.flat_map(|row| scene.loops.planted_in_block_row(&scene.sheet, row));
         let in_order: Vec<_> = in_order.collect();
-        assert!(in_order.iter().zip(0..).all(|(planted, k)| planted.index == k));
+        assert!(
+            in_order
+                .iter()
+                .zip(0..)
+                .all(|(planted, k)| planted.index == k)
+        );
         assert_eq!(in_order.len(), all.len());
         assert!(in_order.iter().all(|planted| all.contains(planted)));
         let on = |face: Face| -> Vec<[u32; 2]> {

@@ -54,16 +54,6 @@ pub enum CompileError {
         /// Most entries.
         limit: u64,
     },
-    /// A loop reaches over too many cells.
-    #[error(
-        "pile.max_length and pile.base_width let a loop reach {cells} cells from its own; at most {limit} are allowed: use shorter or narrower pile, or smaller sheet.warps_per_cm and sheet.wefts_per_cm"
-    )]
-    TooFar {
-        /// The cells.
-        cells: i64,
-        /// Most cells.
-        limit: i64,
-    },
     /// Nobody waits for the scene any more.
     #[error("given up")]
     Cancelled,
@@ -385,10 +375,6 @@ impl LoopsInputs {
             NoGrid::TooManyEntries => CompileError::TooManyEntries {
                 loops: count as u64,
                 limit: grid::MAX_ENTRIES,
-            },
-            NoGrid::TooFar(cells) => CompileError::TooFar {
-                cells,
-                limit: grid::MOST_CELLS,
             },
             NoGrid::Cancelled => CompileError::Cancelled,
         })

@@ -12,7 +12,7 @@ use renderer_core::image::metrics;
 use renderer_core::reference::ReferenceBackend;
 use renderer_core::render::accumulation::{Accumulation, Pass, Sample};
 use renderer_core::render::{
-    Backend, BackendKind, Camera, Progress, RenderError, RenderRequest, Settings,
+    Backend, BackendKind, Camera, Progress, RenderError, RenderRequest, Settings, Skips,
 };
 use renderer_core::scene::compile;
 
@@ -50,6 +50,7 @@ fn request(method: Method) -> RenderRequest {
             shadows: true,
             aov: true,
             counters: true,
+            skips: Skips::ALL,
         },
     }
 }

@@ -43,9 +43,6 @@ pub(in super::super) fn build(
         }
     }
     cancel.check().map_err(|_| NoGrid::Cancelled)?;
-    if reach.blocks > EntryLayout::FARTHEST {
-        return Err(NoGrid::TooFar(reach.cells));
-    }
 
     let b = planting.block_cells;
     let sheet_blocks = [sheet.warps.div_ceil(b), sheet.wefts.div_ceil(b)].map(i64::from);

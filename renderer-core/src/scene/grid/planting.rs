@@ -11,12 +11,10 @@ use super::super::skeleton::Face;
 use super::super::{
     BlockEntry, BlockHeader, LoopCounts, LoopLook, LoopPatch, LoopShape, SheetGeometry,
 };
-use super::place_in_block;
+use super::{BLOCK_SIZES, place_in_block};
 
 /// Largest component of a shape, in units.
 const UNITS: f64 = 32_767.0;
-/// Cells along each side of a block.
-const BLOCK_SIZES: &[u32] = &[1, 2, 4];
 /// What shape, look, list and bounds may take for each loop. Finer blocks make for fewer loops that are tested in vain, and
 /// for more entries.
 const BYTES: f64 = 64.0;
@@ -60,8 +58,6 @@ pub(super) struct Reach {
     pub(super) dip: f64,
     /// Blocks from a loop's own to the farthest that it reaches.
     pub(super) blocks: i64,
-    /// Cells from a loop's own to the farthest that it may reach.
-    pub(super) cells: i64,
 }
 
 /// A row of the sheet's blocks.
@@ -163,7 +159,6 @@ impl<'a> Planting<'a> {
         // Blocks from the loop's own.
         let [columns, rows] =
             [0, 1].map(|axis| blocks_from_own([low[axis], high[axis]], pitch[axis], cell[axis], b));
-        let farthest = |axis: usize| ((-low[axis]).max(high[axis]) / pitch[axis] + 0.5) as i64;
         let dip = match patch.face() {
             Face::Front => -low.z,
             Face::Back => high.z,
@@ -174,7 +169,6 @@ impl<'a> Planting<'a> {
             z: [low.z, high.z],
             dip: dip.max(0.0),
             blocks: (-columns[0]).max(columns[1]).max(-rows[0]).max(rows[1]),
-            cells: farthest(0).max(farthest(1)),
         }
     }
 
@@ -238,7 +232,6 @@ impl Reach {
         z: [0.0, 0.0],
         dip: 0.0,
         blocks: 0,
-        cells: 0,
     };
 
     pub(super) fn join(self, other: Self) -> Self {
@@ -248,7 +241,6 @@ impl Reach {
             z: hull(self.z, other.z, f64::min, f64::max),
             dip: self.dip.max(other.dip),
             blocks: self.blocks.max(other.blocks),
-            cells: self.cells.max(other.cells),
         }
     }
 }

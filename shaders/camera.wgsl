@@ -1,7 +1,7 @@
 // Rays of the camera, from the bases that the host computes in f64 for every tile (render::RayTile).
 
 struct RayTile {
-    // The cell that the origin is relative to; z and w unused.
+    // The cell that the origin is relative to; z: which tile of the picture it is; w unused.
     cell: vec4<i32>,
     // Origin of the ray through the tile's reference point, mm; w: how many times the direction lies between the eye
     // and the origin.

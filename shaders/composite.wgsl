@@ -92,15 +92,27 @@ fn pile_scatter(ray: Ray, hit: Gathered, index: u32) -> Scatter {
 // The first event at which the transmittance falls below `threshold` in (0, 1]: an event is chosen with probability
 // T·α, so its weight is 1 and the walk ends there.
 fn composite_first(ray: Ray, threshold: f32) -> Scatter {
-    // Step 5: the skeleton is opaque; loops of the far side are met in cells behind its gaps.
-    let ground = ground_along(ray, FAR);
-    var walk = walk_begin(ray, scene.z_range, ground.t);
+    // Step 5: the skeleton is opaque; loops of the far side are met in cells behind its gaps. It is looked for once the ray
+    // is about to reach it: most are taken by pile above it.
+    let ground_from = ground_search_start(ray);
+    var ground = no_yarn();
+    var ground_known = ground_from >= FAR;
+    var walk = walk_begin(ray, scene.z_range, FAR);
     let depth_to = depth_of(threshold);
     var depth = 0.0;
     var chosen: Gathered;
     var chosen_index = 0u;
     let limit = walk_limit();
-    for (var n = 0u; n < limit && walk_goes_on(walk); n++) {
+    // One step more than there are cells, for the ground of rays that leave the loops before they reach it.
+    for (var n = 0u; n <= limit; n++) {
+        if !ground_known && (!walk_goes_on(walk) || walk.t_exit > ground_from) {
+            ground = ground_along(ray, FAR);
+            ground_known = true;
+            walk_cut(&walk, ground.t);
+        }
+        if !walk_goes_on(walk) {
+            break;
+        }
         if COUNTERS {
             count_cells += 1u;
         }
@@ -127,12 +139,21 @@ fn composite_first(ray: Ray, threshold: f32) -> Scatter {
         walk_step(ray, &walk);
     }
     if depth > depth_to {
+        if COUNTERS && !ground_known {
+            count_hidden_rays += 1u;
+        }
         return pile_scatter(ray, chosen, chosen_index);
     }
     if ground.t < FAR {
         return ground_scatter(ray, ground);
     }
     return no_scatter();
+}
+
+// Ends a walk at a distance, as if it had been begun so.
+fn walk_cut(walk: ptr<function, Walk>, t_to: f32) {
+    (*walk).t_end = min((*walk).t_end, t_to);
+    (*walk).t_exit = max((*walk).t_enter, min((*walk).t_exit, (*walk).t_end));
 }
 
 // Below this a shadow ray counts as blocked.
@@ -229,7 +250,10 @@ fn composite_visibility(ray: Ray) -> f32 {
                 depth += gathered(event, crossing.shape, normal, load_yarn(crossing.index), ray).depth;
             }
         }
-        if depth > blocked {
+        if OPAQUE_RAYS && depth > blocked {
+            if COUNTERS {
+                count_ended_rays += 1u;
+            }
             return 0.0;
         }
     }

@@ -10,14 +10,19 @@ fn pixel_error(tile: u32, in_tile: vec2<u32>) -> vec2<f32> {
     if any(tile_corner(tile) + in_tile >= slice.size) {
         return vec2<f32>();
     }
+    let end = tile_ends[tile];
+    if end == ALL_BACKGROUND {
+        return vec2<f32>(0.0, slice.background.x + slice.background.y + slice.background.z);
+    }
     let at = sum_index(tile, in_tile);
     let sum = sums[at + SUM_SIGNED];
-    // Asked for only at sample counts that all scrambles share equally.
-    let means = sum * f32(SCRAMBLES) / f32(max(slice.samples_before, 1u));
+    // Asked for, and ended, only at sample counts that all scrambles share equally.
+    let samples = f32(max(select(end, slice.samples_before, end == 0u), 1u));
+    let means = sum * f32(SCRAMBLES) / samples;
     let mean = dot(means, vec4<f32>(0.25));
     let off = means - mean;
     // Variance of the mean of four: the sample variance (÷ 3) over 4.
-    let colour = sums[at + SUM_COLOUR].xyz / f32(max(slice.samples_before, 1u));
+    let colour = sums[at + SUM_COLOUR].xyz / samples;
     return vec2<f32>(dot(off, off) / 12.0, colour.x + colour.y + colour.z);
 }
 
@@ -37,6 +42,6 @@ fn error_main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation
         workgroupBarrier();
     }
     if lane == 0u {
-        tile_errors[tile] = partial[0];
+        tile_errors[group.x] = partial[0];
     }
 }

@@ -203,11 +203,17 @@ fn with_bit(mask: vec4<u32>, entry: u32) -> vec4<u32> {
     return mask | select(vec4<u32>(), vec4<u32>(1u << (entry % 32u)), vec4<u32>(word) == vec4<u32>(0u, 1u, 2u, 3u));
 }
 
+// One word of a mask, by selection: a vector indexed by a variable would leave the registers on some devices.
+fn word_of(mask: vec4<u32>, word: u32) -> u32 {
+    let halves = select(mask.xz, mask.yw, (word & 1u) != 0u);
+    return select(halves.x, halves.y, (word & 2u) != 0u);
+}
+
 // The first entry from `start` on whose bit is set, or `end`.
 fn next_bit(mask: vec4<u32>, start: u32, end: u32) -> u32 {
     var entry = start;
     while entry < end {
-        let word = mask[(entry % MASKED) / 32u] >> (entry % 32u);
+        let word = word_of(mask, entry / 32u) >> (entry % 32u);
         if word != 0u {
             return min(entry + firstTrailingBit(word), end);
         }
@@ -285,17 +291,35 @@ struct Marched {
     sum: f32,
     cell: Cell,
     inside: vec4<u32>,
+    // The ground yarn at which it ended, if it was looked for.
+    ground: YarnHit,
+    ground_known: bool,
 }
 
 // Pieces of one ray: far more than there are between any two sides of a carpet.
 const MAX_CUTS: u32 = 1048576u;
 
-fn march(ray: Ray, depth_to: f32, t_to: f32) -> Marched {
+// Ground yarns are looked for when the march comes to `ground_from`; it goes on to the yarn found, or ends at once.
+fn march(ray: Ray, depth_to: f32, ground_from: f32, ends_with_ground: bool) -> Marched {
     var marched: Marched;
-    var walk = walk_begin(ray, scene.z_range, t_to);
+    marched.ground = no_yarn();
+    marched.ground_known = ground_from >= FAR;
+    var walk = walk_begin(ray, scene.z_range, FAR);
     let limit = walk_limit();
     var cuts = 0u;
-    for (var n = 0u; n < limit && walk_goes_on(walk) && !marched.fell; n++) {
+    // One step more than there are cells, for the ground of rays that leave the loops before they reach it.
+    for (var n = 0u; n <= limit && !marched.fell; n++) {
+        if !marched.ground_known && (!walk_goes_on(walk) || walk.t_exit > ground_from) {
+            marched.ground = ground_along(ray, FAR);
+            marched.ground_known = true;
+            walk_cut(&walk, marched.ground.t);
+            if ends_with_ground && marched.ground.t < FAR {
+                break;
+            }
+        }
+        if !walk_goes_on(walk) {
+            break;
+        }
         if COUNTERS {
             count_cells += 1u;
         }
@@ -345,14 +369,16 @@ fn march(ray: Ray, depth_to: f32, t_to: f32) -> Marched {
 // Where the transmittance along a ray falls below `threshold` in (0, 1]; `choice` in [0, 1) picks one of the loops there,
 // by their shares of σ.
 fn exact_first(ray: Ray, threshold: f32, choice: f32) -> Scatter {
-    let ground = ground_along(ray, FAR);
     let depth_to = depth_of(threshold);
-    let marched = march(ray, depth_to, ground.t);
+    let marched = march(ray, depth_to, ground_search_start(ray), false);
     if !marched.fell {
-        if ground.t < FAR {
-            return ground_scatter(ray, ground);
+        if marched.ground.t < FAR {
+            return ground_scatter(ray, marched.ground);
         }
         return no_scatter();
+    }
+    if COUNTERS && !marched.ground_known {
+        count_hidden_rays += 1u;
     }
     let cell = marched.cell;
     let count = cell.entries_end - cell.entries_start;
@@ -371,9 +397,9 @@ fn exact_first(ray: Ray, threshold: f32, choice: f32) -> Scatter {
 
 // V: the share of light that passes all loops and the skeleton along a ray.
 fn exact_visibility(ray: Ray) -> f32 {
-    if ground_along(ray, FAR).t < FAR {
-        return 0.0;
+    let marched = march(ray, select(FAR, -log(BLOCKED), OPAQUE_RAYS), -FAR, true);
+    if COUNTERS && marched.fell {
+        count_ended_rays += 1u;
     }
-    let marched = march(ray, -log(BLOCKED), FAR);
-    return select(exp(-marched.depth), 0.0, marched.fell);
+    return select(exp(-marched.depth), 0.0, marched.fell || marched.ground.t < FAR);
 }

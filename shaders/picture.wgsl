@@ -10,7 +10,7 @@ struct Slice {
     tiles_across: u32,
     // First tile of the accumulation buffer that is bound.
     buffer_first_tile: u32,
-    // Tiles from `first_tile` up to `end_tile` are worked on.
+    // Tiles from `first_tile` up to `end_tile` are worked on; the tracing program counts only those that are drawn.
     first_tile: u32,
     end_tile: u32,
     // Samples from `first_sample` up to `end_sample` are added.
@@ -22,7 +22,7 @@ struct Slice {
     pixels_per_tile: u32,
     seed: u32,
     bounces: u32,
-    // Tiles before this one have `samples_before` samples, the others `samples_after`; where that is 0, only the pixels
+    // Of the tiles that are drawn those before this one have `samples_before` samples, the others `samples_after`; where that is 0, only the pixels
     // on the lattice of stride `lattice_before` or `lattice_after` have one.
     split_tile: u32,
     samples_before: u32,
@@ -37,6 +37,8 @@ struct Slice {
     // Longest piece of a ray that METHOD_EXACT takes as uniform, mm.
     step: f32,
     unused: f32,
+    // What tiles of background show; w unused.
+    background: vec4<f32>,
 }
 
 const TONE_NONE: u32 = 0u;
@@ -54,6 +56,9 @@ const COARSEST: u32 = 16u;
 
 @group(1) @binding(1) var<storage, read_write> sums: array<vec4<f32>>;
 @group(1) @binding(2) var<uniform> slice: Slice;
+// For each tile of the picture: 0 while it is drawn, then its samples; ALL_BACKGROUND if it never was.
+@group(1) @binding(7) var<storage, read> tile_ends: array<u32>;
+const ALL_BACKGROUND: u32 = 0xffffffffu;
 
 // The signs with which the channels of a pixel make up the one number that its error is estimated from: over every
 // 2 × 2 pixels all products of two channels cancel, and what is left is the sum of the channels' variances.

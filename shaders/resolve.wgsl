@@ -15,9 +15,15 @@ struct Mean {
 
 // The mean of a pixel, or of the nearest pixel towards the tile's corner that has a sample.
 fn mean_of(tile: u32, in_tile: vec2<u32>) -> Mean {
+    let end = tile_ends[tile];
+    if end == ALL_BACKGROUND {
+        return Mean(vec4<f32>(slice.background.xyz, 0.0), vec4<f32>(), vec4<f32>());
+    }
     let before = tile < slice.split_tile;
-    let samples = max(select(slice.samples_after, slice.samples_before, before), 1u);
-    let lattice = max(select(slice.lattice_after, slice.lattice_before, before), 1u);
+    let drawn = select(slice.samples_after, slice.samples_before, before);
+    let samples = max(select(end, drawn, end == 0u), 1u);
+    let drawn_lattice = select(slice.lattice_after, slice.lattice_before, before);
+    let lattice = max(select(1u, drawn_lattice, end == 0u), 1u);
     let first = sum_index(tile, (in_tile / lattice) * lattice);
     var mean = Mean(sums[first + SUM_COLOUR] / f32(samples), vec4<f32>(), vec4<f32>());
     if AOV {

@@ -72,3 +72,7 @@ override AOV: bool = false;
 override COUNTERS: bool = false;
 // Filter voxels by hand in f32 rather than with the sampler's 8-bit weights.
 override FILTER_F32: bool = false;
+// Shadow rays end where hardly any light comes through.
+override OPAQUE_RAYS: bool = true;
+// Ground yarns are looked for only where pile lets something through.
+override HIDDEN_GROUND: bool = true;

@@ -238,6 +238,29 @@ fn skeleton_hit(cell: vec2<i32>, ray_origin: vec3<f32>, direction: vec3<f32>, ra
     return nearest;
 }
 
+// Ground yarns lie between minus this and this.
+fn ground_height() -> f32 {
+    let thickest = max(scene.yarn_radius.x, scene.yarn_radius.y);
+    return select((thickest + scene.crimp) * ROOMY, thickest, SKELETON == SKELETON_PAPER);
+}
+
+// Where a ray enters the heights of ground yarns: before that it meets none. FAR if it never does.
+fn ground_entry(ray: Ray) -> f32 {
+    if SKELETON == SKELETON_NONE {
+        return FAR;
+    }
+    let range = clip_band(vec2<f32>(ray.t_start, FAR), ray.origin.z, ray.direction.z, ground_height());
+    return select(FAR, range.x, range.x < range.y);
+}
+
+// From where on the way along a ray ground yarns are looked for.
+fn ground_search_start(ray: Ray) -> f32 {
+    if HIDDEN_GROUND {
+        return ground_entry(ray);
+    }
+    return -FAR;
+}
+
 // The first ground yarn that a ray meets before `t_to`. A walk of its own, through the few cells in which the ray is
 // within the yarns' heights.
 fn ground_along(ray: Ray, t_to: f32) -> YarnHit {
@@ -245,8 +268,7 @@ fn ground_along(ray: Ray, t_to: f32) -> YarnHit {
     if SKELETON == SKELETON_NONE {
         return hit;
     }
-    let thickest = max(scene.yarn_radius.x, scene.yarn_radius.y);
-    let highest = select((thickest + scene.crimp) * ROOMY, thickest, SKELETON == SKELETON_PAPER);
+    let highest = ground_height();
     var walk = walk_begin(ray, vec2<f32>(-highest, highest), t_to);
     let limit = walk_limit();
     for (var n = 0u; n < limit && walk_goes_on(walk) && hit.t >= FAR; n++) {

@@ -119,11 +119,16 @@ fn poulin_fournier(normal: vec3<f32>, along: vec3<f32>, towards_eye: vec3<f32>, 
         let part = shared_part(walls, vec2<f32>(0.5 * sum - reach, 0.5 * sum + reach));
         let half_width = 0.5 * (part.y - part.x);
         let middle = 0.5 * (part.x + part.y);
+        // Turned so that the pair of points in turn comes first: nothing is indexed.
+        var nodes = NODES;
+        var weights = NODE_WEIGHTS;
         for (var k = 0u; k < 8u && half_width > 0.0; k++) {
-            let node = NODES[k / 2u] * select(1.0, -1.0, k % 2u == 0u);
+            let node = nodes.x * select(1.0, -1.0, k % 2u == 0u);
             let phi = middle + half_width * node;
             let value = power(both * cos(2.0 * phi - sum) - eye.z * light.z, p) * cos(phi - eye.x) * cos(phi - light.x);
-            highlight += half_width * NODE_WEIGHTS[k / 2u] * value;
+            highlight += half_width * weights.x * value;
+            nodes = select(nodes, nodes.yzwx, k % 2u == 1u);
+            weights = select(weights, weights.yzwx, k % 2u == 1u);
         }
     }
     let per_area = light.y / (scene.fibre_spacing * max(cos(eye.x), 1.0e-6));

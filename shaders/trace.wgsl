@@ -153,31 +153,72 @@ fn trace_path(camera_ray: Ray, film: vec4<f32>, seed: u32, sample: u32) -> Path 
     return path;
 }
 
+// The pixel that a thread works on.
+struct Place {
+    // False for threads beyond the tiles or the picture.
+    is_inside: bool,
+    // Its tile's place among those that are drawn.
+    drawn_tile: u32,
+    in_tile: vec2<u32>,
+    seed: u32,
+    first_sum: u32,
+}
+
+fn place_of(thread: u32) -> Place {
+    let drawn_tile = slice.first_tile + thread / slice.pixels_per_tile;
+    let in_tile = pixel_of_rank(thread % slice.pixels_per_tile);
+    let tile = u32(ray_tiles[min(drawn_tile, slice.end_tile - 1u)].cell.z);
+    let in_picture = tile_corner(tile) + in_tile;
+    return Place(
+        drawn_tile < slice.end_tile && all(in_picture < slice.size),
+        drawn_tile,
+        in_tile,
+        pixel_seed(slice.seed, slice.corner + in_picture),
+        sum_index(tile, in_tile),
+    );
+}
+
+fn film_ray(place: Place, film: vec2<f32>) -> CameraRay {
+    // Tiles' reference points are their centres.
+    return camera_ray(place.drawn_tile, vec2<f32>(place.in_tile) - 0.5 * f32(TILE), film);
+}
+
 @compute @workgroup_size(WORKGROUP)
 fn trace_main(@builtin(global_invocation_id) id: vec3<u32>) {
-    let tile = slice.first_tile + id.x / slice.pixels_per_tile;
-    let in_tile = pixel_of_rank(id.x % slice.pixels_per_tile);
-    let in_picture = tile_corner(tile) + in_tile;
-    if tile >= slice.end_tile || any(in_picture >= slice.size) {
+    let place = place_of(id.x);
+    if !place.is_inside {
         return;
     }
-    let seed = pixel_seed(slice.seed, slice.corner + in_picture);
-    let first_sum = sum_index(tile, in_tile);
+    // Sums are read and written once, whatever the number of samples.
+    let first_sum = place.first_sum;
+    var colour = sums[first_sum + SUM_COLOUR];
+    var signed = sums[first_sum + SUM_SIGNED];
+    var normal_depth = vec4<f32>();
+    var albedo = vec4<f32>();
+    if AOV {
+        normal_depth = sums[first_sum + SUM_NORMAL];
+        albedo = sums[first_sum + SUM_ALBEDO];
+    }
     for (var sample = slice.first_sample; sample < slice.end_sample; sample++) {
-        let film = sample_set(seed, sample, SET_FILM);
-        // Tiles' reference points are their centres.
-        let camera = camera_ray(tile, vec2<f32>(in_tile) - 0.5 * f32(TILE), film.xy);
-        let path = trace_path(camera.ray, film, seed, sample);
+        let film = sample_set(place.seed, sample, SET_FILM);
+        let camera = film_ray(place, film.xy);
+        let path = trace_path(camera.ray, film, place.seed, sample);
         let met = path.first.what != NOTHING;
-        sums[first_sum + SUM_COLOUR] += vec4<f32>(path.radiance, f32(met));
-        let signed_sum = dot(path.radiance, channel_signs(in_tile));
+        colour += vec4<f32>(path.radiance, f32(met));
+        let signed_sum = dot(path.radiance, channel_signs(place.in_tile));
         let scramble = vec4<u32>(sample % SCRAMBLES) == vec4<u32>(0u, 1u, 2u, 3u);
-        sums[first_sum + SUM_SIGNED] += select(vec4<f32>(), vec4<f32>(signed_sum), scramble);
+        signed += select(vec4<f32>(), vec4<f32>(signed_sum), scramble);
         if AOV && met {
             let facing = select(-1.0, 1.0, dot(path.first.normal, camera.ray.direction) <= 0.0) * path.first.normal;
-            sums[first_sum + SUM_NORMAL] += vec4<f32>(facing, camera.from_eye + path.first.t);
-            sums[first_sum + SUM_ALBEDO] += vec4<f32>(path.first.albedo, 1.0);
+            normal_depth += vec4<f32>(facing, camera.from_eye + path.first.t);
+            albedo += vec4<f32>(path.first.albedo, 1.0);
         }
+    }
+    sums[first_sum + SUM_COLOUR] = colour;
+    sums[first_sum + SUM_SIGNED] = signed;
+    if AOV {
+        sums[first_sum + SUM_NORMAL] = normal_depth;
+        sums[first_sum + SUM_ALBEDO] = albedo;
     }
     if COUNTERS {
         add_total(COUNT_RAYS, count_rays);
@@ -186,5 +227,7 @@ fn trace_main(@builtin(global_invocation_id) id: vec3<u32>) {
         add_total(COUNT_PATCH_TESTS, count_patch_tests);
         add_total(COUNT_VOLUME_SAMPLES, count_volume_samples);
         add_total(COUNT_CONTRIBUTING_HITS, count_contributing_hits);
+        add_total(COUNT_ENDED_RAYS, count_ended_rays);
+        add_total(COUNT_HIDDEN_RAYS, count_hidden_rays);
     }
 }

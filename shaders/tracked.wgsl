@@ -176,13 +176,18 @@ fn track(ray: Ray, random: ptr<function, Pcg>) -> Scatter {
         }
     }
     // Free paths in pile are short, so that seldom much of the skeleton lies before the collision.
-    let ground = ground_along(ray, select(FAR, hit.t, hit.depth > 0.0));
-    if ground.t < FAR {
+    let t_hit = select(FAR, hit.t, hit.depth > 0.0);
+    let ground = ground_along(ray, select(FAR, t_hit, HIDDEN_GROUND));
+    if ground.t < t_hit {
         return ground_scatter(ray, ground);
     }
     if hit.depth > 0.0 {
         if COUNTERS {
             count_contributing_hits += 1u;
+            let entry = ground_entry(ray);
+            if HIDDEN_GROUND && entry < FAR && hit.t <= entry {
+                count_hidden_rays += 1u;
+            }
         }
         return pile_scatter(ray, hit, hit_index);
     }
@@ -209,8 +214,11 @@ fn track_visibility(ray: Ray, random: ptr<function, Pcg>) -> f32 {
             count_contributing_hits += 1u;
         }
         visible *= max(1.0 - overlap.extinction / flight.rate, 0.0);
-        if visible < ROULETTE_BELOW {
+        if OPAQUE_RAYS && visible < ROULETTE_BELOW {
             visible = select(0.0, visible / ROULETTE_SURVIVAL, pcg_next(random) < ROULETTE_SURVIVAL);
+            if COUNTERS && visible <= 0.0 {
+                count_ended_rays += 1u;
+            }
         }
     }
     return visible;

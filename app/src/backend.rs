@@ -3,11 +3,14 @@
 //! `auto` takes the GPU where an adapter is hardware, and the processor otherwise: on software Vulkan the same picture takes
 //! several times as long as on the processor itself. The processor's backends need no Vulkan, not even its loader.
 
+use directories::ProjectDirs;
 use renderer_core::cpu::CpuBackend;
 use renderer_core::design::Method;
 use renderer_core::gpu::{self, AdapterSummary, GpuBackend, GpuContext};
 use renderer_core::reference::ReferenceBackend;
 use renderer_core::render::{Backend, BackendKind, RenderError};
+
+use crate::files;
 
 /// What the user asks for, on the command line or in the status bar.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, clap::ValueEnum)]
@@ -71,5 +74,13 @@ pub fn make(choice: BackendChoice) -> Result<Box<dyn Backend>, RenderError> {
 }
 
 fn gpu_backend() -> Result<GpuBackend, RenderError> {
-    GpuBackend::new(GpuContext::headless()?)
+    GpuBackend::new(with_kept_pipelines(GpuContext::headless()?))
+}
+
+/// Lets a device keep its compiled pipelines in the platform's folder for such things.
+pub fn with_kept_pipelines(context: GpuContext) -> GpuContext {
+    match ProjectDirs::from("", "", "towel-designer") {
+        Some(folders) => files::keep_pipelines(context, &folders.cache_dir().join("pipelines")),
+        None => context,
+    }
 }

@@ -460,6 +460,7 @@ fn findings(list: &[(usize, u32, f64, f64)], noise: f64) -> Findings {
             .collect(),
         target,
         truth,
+        bare: Some(Duration::from_millis(2)),
     }
 }
 
@@ -503,6 +504,8 @@ fn the_summary_names_the_best_and_the_dominated() {
         "layered : single = 2.50 : 1.00 in time, 2.50 : 1.00 in patch tests and 1.00 : 1.00 in volume samples",
         "| layered | 150 ms | 2.50 | 7.5 | 2.0 | not measured |",
         "Not measured, since time was up: single, Owen, no shadows; ",
+        "takes 2.000 ms a sample",
+        "so many times that: layered 75, single 30.",
         "time by the clock",
     ] {
         assert!(text.contains(part), "{part}\n{text}");

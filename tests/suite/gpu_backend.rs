@@ -1,16 +1,18 @@
 //! The GPU backend around its shaders: slices, devices with less room, changed scenes, display, counters, targets.
 
 use std::sync::atomic::AtomicBool;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use renderer_core::cpu::CpuBackend;
 use renderer_core::design::{
     Colour, Design, EnvironmentImage, EnvironmentKind, EnvironmentReader, LengthMap, Method, Phase,
     SkeletonHeight, ToneMap,
 };
-use renderer_core::gpu::{DeviceWatch, GpuBackend, GpuContext};
+use renderer_core::gpu::needs::SceneNeeds;
+use renderer_core::gpu::{DeviceWatch, GpuBackend, GpuContext, wanted_features};
 use renderer_core::image::{Display, Picture};
-use renderer_core::render::{Backend, RenderError, RenderRequest};
+use renderer_core::render::{Backend, RenderError, RenderRequest, Settings, Skip};
+use towel_designer::files::keep_pipelines;
 
 use crate::support::compare::shows_something;
 use crate::support::device::{context, exact_gpu, finish, finish_in_slices, gpu};
@@ -82,6 +84,7 @@ fn lesser_device(lower: impl FnOnce(&mut wgpu::Limits)) -> GpuContext {
     let mut limits = adapter.limits();
     lower(&mut limits);
     let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+        required_features: wanted_features(&adapter),
         required_limits: limits,
         ..Default::default()
     }))
@@ -127,14 +130,169 @@ fn a_lost_device_is_an_error_wherever_it_is_used() {
     assert!(is_lost(backend.show(display).map(|_| ()).unwrap_err()));
 }
 
+/// Waits until the backend can draw.
+fn until_ready(backend: &mut GpuBackend) {
+    let start = Instant::now();
+    while !backend.is_ready().unwrap() {
+        assert!(start.elapsed() < Duration::from_secs(120), "compiles");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+#[test]
+fn pipelines_are_made_beside_the_work() {
+    let never = AtomicBool::new(false);
+    let first = request(&small_towel(), SIZE);
+    let mut design = small_towel();
+    design.pile.phase = Phase::KajiyaKay;
+    design.light.sun.clear();
+    let second = request(&design, SIZE);
+    let [first_picture, second_picture] = [&first, &second].map(|r| finish(&mut gpu(), r));
+
+    let mut backend = gpu();
+    let start = Instant::now();
+    backend.begin_soon(&first).unwrap();
+    let begun = start.elapsed();
+    let ready = backend.is_ready().unwrap();
+    // A cancelled advance does not wait for it either.
+    let progress = backend
+        .advance(Duration::MAX, &AtomicBool::new(true))
+        .unwrap();
+    assert!(
+        !ready && progress.samples == 0 && !progress.done,
+        "{begun:?}"
+    );
+    // Another scene before the first is ready: its own pipeline is made, and nothing is drawn with another's.
+    backend.begin_soon(&second).unwrap();
+    assert_eq!(backend.advance(Duration::ZERO, &never).unwrap().samples, 0);
+    until_ready(&mut backend);
+    eprintln!("begun after {begun:?}, ready after {:?}", start.elapsed());
+    assert_eq!(bits(&finish(&mut backend, &second)), bits(&second_picture));
+    // Back again; and both are there from now on.
+    backend.begin_soon(&first).unwrap();
+    while !backend
+        .advance(Duration::from_secs(1), &never)
+        .unwrap()
+        .done
+    {}
+    assert_eq!(bits(&backend.picture().unwrap()), bits(&first_picture));
+    for request in [&second, &first] {
+        backend.begin_soon(request).unwrap();
+        assert!(backend.is_ready().unwrap());
+    }
+    // Dropped at work.
+    let mut dropped = gpu();
+    dropped.begin_soon(&first).unwrap();
+}
+
+#[test]
+fn a_device_lost_while_it_compiles_is_an_error() {
+    let context = lesser_device(|_| {});
+    let mut backend = GpuBackend::new(context.clone()).unwrap();
+    backend.begin_soon(&request(&small_towel(), SIZE)).unwrap();
+    context.device.destroy();
+    let never = AtomicBool::new(false);
+    let error = backend
+        .advance(Duration::from_secs(120), &never)
+        .unwrap_err();
+    assert!(
+        matches!(error, RenderError::Lost(_) | RenderError::Device(_)),
+        "{error}"
+    );
+}
+
+#[test]
+fn kept_pipelines_are_used_and_broken_ones_passed_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = || {
+        let context = keep_pipelines(lesser_device(|_| {}), folder.path());
+        let mut backend = GpuBackend::new(context.clone()).unwrap();
+        let picture = finish(&mut backend, &request(&small_towel(), SIZE));
+        (bits(&picture), context.pipelines_name())
+    };
+    let (plain, name) = picture();
+    let Some(name) = name else {
+        eprintln!("this driver gives out no pipelines");
+        return;
+    };
+    let path = folder.path().join(name);
+    let kept = std::fs::read(&path).unwrap();
+    assert!(kept.len() > 12, "{}", kept.len());
+    eprintln!("{} bytes are kept", kept.len());
+    let (mut other, mut flipped) = (kept.clone(), kept.clone());
+    other[0] ^= 1;
+    *flipped.last_mut().unwrap() ^= 1;
+    let broken = [&kept[..5], &kept[..kept.len() - 3], &other, &flipped];
+    assert_eq!(picture().0, plain);
+    assert_eq!(std::fs::read(&path).unwrap(), kept, "nothing new to keep");
+    for bytes in broken {
+        std::fs::write(&path, bytes).unwrap();
+        assert_eq!(picture().0, plain);
+        assert_eq!(std::fs::read(&path).unwrap().len(), kept.len(), "made anew");
+    }
+    // A folder that cannot be is no reason to fail.
+    std::fs::remove_dir_all(folder.path()).unwrap();
+    std::fs::write(folder.path(), "not a folder").unwrap();
+    assert_eq!(picture().0, plain);
+    std::fs::remove_file(folder.path()).unwrap();
+    std::fs::create_dir(folder.path()).unwrap();
+}
+
+#[test]
+fn a_pipeline_with_everything_in_it_draws_the_same() {
+    let mut design = small_towel();
+    design.light.environment.radiance = 0.0;
+    let mut gpu = gpu();
+    for method in [Method::Single, Method::Tracked] {
+        design.quality.method = method;
+        let mut request = request(&design, SIZE);
+        let special = finish(&mut gpu, &request);
+        request.settings.skips = request.settings.skips.without(Skip::UnusedShading);
+        let needs = [&request.settings, &Settings::from(&design.quality)]
+            .map(|settings| SceneNeeds::new(&request.scene, settings, false));
+        assert_ne!(needs[0], needs[1]);
+        assert_eq!(bits(&finish(&mut gpu, &request)), bits(&special));
+    }
+}
+
+#[test]
+fn a_bare_sample_costs_little_and_leaves_nothing_behind() {
+    let request = request(&small_towel(), [150, 130]);
+    let mut backend = gpu();
+    let picture = finish(&mut backend, &request);
+    backend.begin(&request).unwrap();
+    let start = Instant::now();
+    let bare = backend.bare_sample().unwrap().expect("on a GPU");
+    // Some 80 samples were drawn in that time.
+    assert!(
+        bare > Duration::ZERO && bare < start.elapsed() / 20,
+        "{bare:?}"
+    );
+    assert_eq!(bits(&finish(&mut backend, &request)), bits(&picture));
+    assert_eq!(CpuBackend::default().bare_sample().unwrap(), None);
+}
+
 #[test]
 fn a_picture_larger_than_a_buffer_is_the_same() {
-    let request = request(&small_towel(), [150, 130]);
+    let mut request = request(&small_towel(), [150, 130]);
+    request.settings.samples = 4;
     // Room for the sums of 16 tiles of 90, and for the scene and the bases of rays.
     let small = lesser_device(|limits| limits.max_storage_buffer_binding_size = 16 * 256 * 32);
     let mut backend = GpuBackend::new(small).unwrap();
     let picture = finish(&mut backend, &request);
     assert_eq!(bits(&picture), bits(&finish(&mut gpu(), &request)));
+    // So is the estimate of its error.
+    let never = AtomicBool::new(false);
+    let error_of = |backend: &mut GpuBackend| {
+        backend.begin(&request).unwrap();
+        let progress = backend.advance(Duration::ZERO, &never).unwrap();
+        progress.error_estimate.expect("enough samples")
+    };
+    assert_eq!(error_of(&mut backend), {
+        let mut whole = gpu();
+        finish(&mut whole, &request);
+        error_of(&mut whole)
+    });
     // The display is put together from the same buffers.
     let shown = shown(&mut backend, ToneMap::None);
     assert_displays(&picture, &shown, ToneMap::None);

@@ -3,6 +3,7 @@
 
 use naga::back::pipeline_constants::process_overrides;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::{AddressSpace, Expression, Function, Handle, TypeInner};
 use renderer_core::design::{Method, Phase, SkeletonHeight, SkeletonShading};
 use renderer_core::gpu::needs::SceneNeeds;
 use renderer_core::gpu::shaders::{Composed, ERROR, Part, RESOLVE, TRACE};
@@ -72,6 +73,8 @@ fn all_needs() -> Vec<SceneNeeds> {
                         aov: on(5),
                         counters: on(6),
                         filter_f32: on(6),
+                        opaque_rays: on(2),
+                        hidden_ground: on(3) == on(4),
                     });
                 }
             }
@@ -90,6 +93,7 @@ fn the_tracing_program_is_valid_for_every_combination_of_needs() {
             specialise(&module, "trace_main", &needs.constants());
         }
     }
+    specialise(&module, "bare_main", &all_needs()[0].constants());
 }
 
 #[test]
@@ -116,6 +120,113 @@ fn the_small_programs_are_valid() {
         specialise(&resolve, "resolve_linear", &constants);
         specialise(&parse(ERROR), "error_main", &constants);
     }
+}
+
+/// All functions of a module with their names.
+fn functions(module: &naga::Module) -> impl Iterator<Item = (&str, &Function)> {
+    let named = module.functions.iter().map(|(_, function)| function);
+    named
+        .chain(module.entry_points.iter().map(|entry| &entry.function))
+        .map(|function| (function.name.as_deref().unwrap_or("entry point"), function))
+}
+
+/// Whether what an expression is a part of lies in a thread's own registers or scratch memory, rather than in a buffer, a
+/// uniform or a workgroup's memory, where any element is as near as the first.
+fn is_threads_own(module: &naga::Module, function: &Function, of: Handle<Expression>) -> bool {
+    match function.expressions[of] {
+        Expression::Access { base, .. } | Expression::AccessIndex { base, .. } => {
+            is_threads_own(module, function, base)
+        }
+        Expression::GlobalVariable(variable) => {
+            module.global_variables[variable].space == AddressSpace::Private
+        }
+        // Loaded values, arguments, variables, constants and everything that was computed.
+        _ => true,
+    }
+}
+
+/// Functions in which a variable picks a part of a thread's own value: many devices keep such values in memory, or walk
+/// through all their parts.
+fn indexed_in_registers(module: &naga::Module) -> Vec<String> {
+    functions(module)
+        .filter(|(_, function)| {
+            (function.expressions.iter()).any(|(_, expression)| match *expression {
+                Expression::Access { base, .. } => is_threads_own(module, function, base),
+                _ => false,
+            })
+        })
+        .map(|(name, _)| name.to_owned())
+        .collect()
+}
+
+#[test]
+fn no_value_in_registers_is_indexed_by_a_variable() {
+    for parts in [TRACE, RESOLVE, ERROR] {
+        let indexed = indexed_in_registers(&parse(parts));
+        let program = parts.last().expect("has parts").0;
+        assert_eq!(indexed, Vec::<String>::new(), "{program}");
+    }
+    // What would be noticed, and what need not be.
+    let program = |body: &str| {
+        let text = format!(
+            "struct S {{ a: vec4<f32>, b: array<vec4<f32>, 4> }}
+             @group(0) @binding(0) var<uniform> uniforms: S;
+             var<private> own: array<f32, 4>;
+             var<workgroup> shared_by_all: array<f32, 4>;
+             const TABLE: vec4<f32> = vec4<f32>(1.0, 2.0, 3.0, 4.0);
+             fn f(i: u32, v: vec4<f32>, p: ptr<function, vec4<f32>>) -> f32 {{ {body} }}"
+        );
+        naga::front::wgsl::parse_str(&text).expect("valid WGSL")
+    };
+    for own in [
+        "var list: array<f32, 4>; list[i] = 1.0; return list[0];",
+        "return v[i];",
+        "return (*p)[i];",
+        "return own[i];",
+        "return TABLE[i];",
+        "let loaded = uniforms.a; return loaded[i];",
+        "let copy = uniforms; return copy.b[i].x;",
+    ] {
+        assert_eq!(indexed_in_registers(&program(own)), ["f"], "{own}");
+    }
+    for others in [
+        "return uniforms.a[i];",
+        "return uniforms.b[i].x;",
+        "return shared_by_all[i];",
+        "var list = vec4<f32>(); list[2] = v[1]; return list.x;",
+    ] {
+        assert!(
+            indexed_in_registers(&program(others)).is_empty(),
+            "{others}"
+        );
+    }
+}
+
+#[test]
+fn variables_of_the_tracing_program_are_few() {
+    // What a thread holds at most if nothing is optimised: a hint, where drivers tell nothing. Arrays, which would be in
+    // slow memory, there are none of.
+    let module = parse(TRACE);
+    let mut layouter = naga::proc::Layouter::default();
+    layouter.update(module.to_ctx()).expect("layout");
+    let mut sizes = Vec::new();
+    for (name, function) in functions(&module) {
+        let mut bytes = 0;
+        for (_, variable) in function.local_variables.iter() {
+            let array = matches!(module.types[variable.ty].inner, TypeInner::Array { .. });
+            assert!(!array, "{name} has an array");
+            bytes += layouter[variable.ty].size;
+        }
+        sizes.push((bytes, name));
+    }
+    sizes.sort_unstable();
+    let all: u32 = sizes.iter().map(|(bytes, _)| bytes).sum();
+    eprintln!("{} functions, {all} bytes of variables; most:", sizes.len());
+    for (bytes, name) in sizes.iter().rev().take(8) {
+        eprintln!("{bytes:5} {name}");
+    }
+    let (most, name) = sizes.last().expect("has functions");
+    assert!(*most <= 512, "{name} has {most} bytes of variables");
 }
 
 #[test]

@@ -51,7 +51,7 @@ use std::sync::Arc;
 use anyhow::anyhow;
 use eframe::CreationContext;
 use egui::{CentralPanel, Context, Frame, Margin, Panel, Ui, UiBuilder, ViewportCommand};
-use renderer_core::gpu::DeviceWatch;
+use renderer_core::gpu::{DeviceWatch, wanted_features};
 use renderer_core::render::MAX_SIDE;
 
 pub use command::Command;
@@ -146,6 +146,7 @@ fn wgpu_options() -> egui_wgpu::WgpuConfiguration {
     let mut setup = egui_wgpu::WgpuSetupCreateNew::without_display_handle();
     setup.device_descriptor = Arc::new(|adapter| wgpu::DeviceDescriptor {
         label: Some("designer"),
+        required_features: wanted_features(adapter),
         required_limits: adapter.limits(),
         ..Default::default()
     });

@@ -10,7 +10,7 @@ use renderer_core::image::{Display, Picture};
 use renderer_core::render::{Backend, RenderError};
 
 use super::display_table::DisplayTable;
-use crate::backend::BackendChoice;
+use crate::backend::{BackendChoice, with_kept_pipelines};
 
 /// Makes a backend of its own.
 pub type MakeBackend =
@@ -42,7 +42,9 @@ pub fn for_window(
     window: Option<(egui_wgpu::RenderState, DeviceWatch)>,
 ) -> MakeRenderer {
     let context = window.and_then(|(state, watch)| {
-        GpuContext::from_device(state.device, state.queue, state.adapter.get_info(), watch).ok()
+        let info = state.adapter.get_info();
+        let context = GpuContext::from_device(state.device, state.queue, info, watch).ok()?;
+        Some(with_kept_pipelines(context))
     });
     Arc::new(move |choice| {
         // A lost device is lost for good; until the window has a new one, a device apart may do.

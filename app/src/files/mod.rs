@@ -5,6 +5,7 @@
 //! - `bundle`, `zip`: a design and its images in one file
 //! - `embedded`: designs in exported pictures
 //! - `shipped`: the presets that are part of the program
+//! - `pipelines`: what a GPU driver compiled
 //! - `own_chart`: charts that were painted here
 //! - `unsaved`: designs in no file yet, kept for the case that the program dies
 //! - `write`: files that are whole or untouched
@@ -15,6 +16,7 @@ mod embedded;
 mod images;
 mod outline;
 mod own_chart;
+mod pipelines;
 mod preset;
 mod shipped;
 mod stamp;
@@ -34,6 +36,7 @@ pub use embedded::{Embedded, carries_design, embedded};
 pub use images::{load_chart, load_environment};
 pub use outline::Outline;
 pub use own_chart::OwnChart;
+pub use pipelines::keep_pipelines;
 pub use preset::{
     Opened, Origin, image_path_from, load_design, load_design_with, open_design, open_design_with,
     open_to_edit, save, save_design, save_edited,

@@ -1,14 +1,17 @@
-//! The sums of a picture on the device: several buffers where one would be larger than can be bound.
+//! The sums of a picture on the device: several buffers where one would be larger than can be bound; and which of its tiles
+//! are drawn.
 
 use std::ops::Range;
 
 use glam::{DVec2, DVec3};
 
-use crate::render::{RenderError, RenderRequest};
+use crate::render::convergence::PixelErrors;
+use crate::render::{Counters, RenderError, RenderRequest, Skip, background_tiles, z_range_mm};
 
 use super::GpuContext;
-use super::layout::{COUNTERS_IN_ALL, RayTile, SUMS, SUMS_WITH_AOV, Slice, TILE, TILE_PIXELS};
-use super::upload::z_range_mm;
+use super::layout::{
+    ALL_BACKGROUND, COUNTERS_IN_ALL, RayTile, SUMS, SUMS_WITH_AOV, Slice, TILE, TILE_PIXELS,
+};
 
 /// Sums of consecutive tiles.
 #[derive(Debug)]
@@ -30,10 +33,16 @@ pub struct Accumulation {
     tile_bytes: u64,
     /// Sums, in the order of tiles.
     pub sums: Vec<SumBuffer>,
-    /// Ray bases of all tiles.
+    /// Ray bases of the tiles that are drawn, in their order.
     pub rays: wgpu::Buffer,
+    /// Where each tile ended, as the shaders see it.
+    pub tile_ends: wgpu::Buffer,
     /// Counters.
     pub totals: wgpu::Buffer,
+    /// For each tile 0 while it is drawn, then its samples; `ALL_BACKGROUND` if it never was.
+    ends: Vec<u32>,
+    /// The tiles that are drawn.
+    drawn: Vec<u32>,
 }
 
 impl Accumulation {
@@ -49,21 +58,26 @@ impl Accumulation {
     ) -> Result<Self, RenderError> {
         let [_, _, width, height] = request.crop;
         let tiles = [width.div_ceil(TILE), height.div_ceil(TILE)];
-        let rays = ray_tiles(request, tiles);
-        let ray_bytes: &[u8] = bytemuck::cast_slice(&rays);
-        let limit = context.largest_binding();
         context.check(
             "the bytes of the picture's ray bases",
-            ray_bytes.len() as u64,
-            limit,
+            u64::from(tiles[0]) * u64::from(tiles[1]) * size_of::<RayTile>() as u64,
+            context.largest_binding(),
         )?;
+        let ends = if request.settings.skips.has(Skip::BackgroundTiles) {
+            let is_background = background_tiles(request, TILE).into_iter();
+            is_background
+                .map(|is| if is { ALL_BACKGROUND } else { 0 })
+                .collect()
+        } else {
+            vec![0; tiles[0] as usize * tiles[1] as usize]
+        };
         let per_pixel = if request.settings.aov {
             SUMS_WITH_AOV
         } else {
             SUMS
         };
         let tile_bytes = u64::from(TILE_PIXELS * per_pixel) * 16;
-        let made = match old.filter(|old| old.tiles == tiles && old.tile_bytes == tile_bytes) {
+        let mut made = match old.filter(|old| old.tiles == tiles && old.tile_bytes == tile_bytes) {
             Some(old) => Self {
                 size: [width, height],
                 ..old
@@ -76,10 +90,75 @@ impl Accumulation {
                 encoder.clear_buffer(&sums.buffer, 0, None);
             }
             encoder.clear_buffer(&made.totals, 0, None);
-            context.queue.write_buffer(&made.rays, 0, ray_bytes);
+            made.ends = ends;
+            made.draw_those_left(context, request);
             context.queue.submit([encoder.finish()]);
             made
         })
+    }
+
+    /// Tells the device which tiles have not ended.
+    fn draw_those_left(&mut self, context: &GpuContext, request: &RenderRequest) {
+        let tiles = (0_u32..).zip(&self.ends);
+        self.drawn = tiles
+            .filter(|(_, end)| **end == 0)
+            .map(|(tile, _)| tile)
+            .collect();
+        let rays = ray_tiles(request, self.tiles[0], &self.drawn);
+        let queue = &context.queue;
+        queue.write_buffer(&self.rays, 0, bytemuck::cast_slice(&rays));
+        queue.write_buffer(&self.tile_ends, 0, bytemuck::cast_slice(&self.ends));
+    }
+
+    /// Ends every tile that has `samples` samples and `is_done(its error)`; true if there are any.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn end_tiles(
+        &mut self,
+        context: &GpuContext,
+        request: &RenderRequest,
+        samples: u32,
+        errors: &[PixelErrors],
+        is_done: impl Fn(&PixelErrors) -> bool,
+    ) -> Result<bool, RenderError> {
+        let before = self.drawn.len();
+        self.drawn.retain(|tile| {
+            let done = is_done(&errors[*tile as usize]);
+            if done {
+                self.ends[*tile as usize] = samples;
+            }
+            !done
+        });
+        let any = self.drawn.len() < before;
+        if any {
+            context.guarded(|| self.draw_those_left(context, request))?;
+        }
+        Ok(any)
+    }
+
+    /// Whether any tile has ended before the picture.
+    pub fn has_converged_tiles(&self) -> bool {
+        let mut ends = self.ends.iter();
+        ends.any(|end| ![0, ALL_BACKGROUND].contains(end))
+    }
+
+    /// Whether there is nothing but background.
+    pub fn is_background(&self) -> bool {
+        self.ends.iter().all(|end| *end == ALL_BACKGROUND)
+    }
+
+    /// Samples of whole tiles that are left out of `samples` of each: of background, and of converged tiles.
+    pub fn left_out(&self, samples: u32) -> Counters {
+        let mut counters = Counters::default();
+        for &end in &self.ends {
+            match end {
+                0 => {}
+                ALL_BACKGROUND => counters.skipped_tiles += u64::from(samples),
+                end => counters.converged_tiles += u64::from(samples.saturating_sub(end)),
+            }
+        }
+        counters
     }
 
     fn allocate(context: &GpuContext, size: [u32; 2], tile_bytes: u64) -> Self {
@@ -113,30 +192,50 @@ impl Accumulation {
             tile_bytes,
             sums,
             rays: buffer("ray tiles", u64::from(count) * size_of::<RayTile>() as u64),
+            tile_ends: buffer("tile ends", u64::from(count) * 4),
             totals: buffer("counters", u64::from(COUNTERS_IN_ALL) * 8),
+            ends: Vec::new(),
+            drawn: Vec::new(),
         }
     }
 
-    /// How many tiles there are.
-    pub fn tile_count(&self) -> u32 {
-        self.tiles[0] * self.tiles[1]
+    /// How many tiles are drawn.
+    pub fn drawn_count(&self) -> u32 {
+        self.drawn.len() as u32
     }
 
-    /// The buffer that holds the sums of a tile.
-    pub fn buffer_of(&self, tile: u32) -> &SumBuffer {
+    /// Which tile has a place among those that are drawn; beyond all tiles for a place beyond the last.
+    pub fn tile_at(&self, place: u32) -> u32 {
+        let tile = self.drawn.get(place as usize).copied();
+        tile.unwrap_or(self.tiles[0] * self.tiles[1])
+    }
+
+    /// The buffer that holds the sums of the drawn tile at a place, and the place of the first one beyond it.
+    pub fn buffer_of(&self, place: u32) -> (&SumBuffer, u32) {
+        let tile = self.tile_at(place);
         let index = self.sums.partition_point(|sums| sums.tiles.end <= tile);
-        &self.sums[index.min(self.sums.len() - 1)]
+        let buffer = &self.sums[index.min(self.sums.len() - 1)];
+        let beyond = |tile: &u32| *tile < buffer.tiles.end;
+        (buffer, self.drawn.partition_point(beyond) as u32)
+    }
+
+    /// Pixels of a tile.
+    pub fn pixels_of(&self, tile: u32) -> u64 {
+        let corner = [tile % self.tiles[0], tile / self.tiles[0]].map(|index| index * TILE);
+        let side = |axis: usize| u64::from((self.size[axis] - corner[axis]).min(TILE));
+        side(0) * side(1)
     }
 
     /// Bytes on the device.
     pub fn bytes(&self) -> u64 {
         let sums: u64 = self.sums.iter().map(|sums| sums.buffer.size()).sum();
-        sums + self.rays.size() + self.totals.size()
+        sums + self.rays.size() + self.totals.size() + self.tile_ends.size()
     }
 
     /// What is the same in every slice of this picture, for tiles of one buffer.
     pub fn slice(&self, request: &RenderRequest, buffer: &SumBuffer, tiles: Range<u32>) -> Slice {
         let [x, y, _, _] = request.crop;
+        let [red, green, blue] = request.scene.lights.background.map(|c| c as f32);
         Slice {
             size: self.size,
             corner: [x, y],
@@ -160,19 +259,20 @@ impl Accumulation {
             closing_bounce: request.settings.closing_bounce().unwrap_or(0),
             step: request.settings.step_mm as f32,
             unused: 0.0,
+            background: [red, green, blue, 0.0],
         }
     }
 }
 
-/// Ray bases of all tiles; a tile's reference point is its centre.
-fn ray_tiles(request: &RenderRequest, [across, down]: [u32; 2]) -> Vec<RayTile> {
+/// Ray bases of some tiles of a picture `across` tiles wide; a tile's reference point is its centre.
+fn ray_tiles(request: &RenderRequest, across: u32, tiles: &[u32]) -> Vec<RayTile> {
     let scene = &request.scene;
     let z_range = z_range_mm(scene);
     let margin_mm = scene.loops.beyond_sheet_mm(&scene.sheet);
     let [x, y, _, _] = request.crop.map(f64::from);
     let side = f64::from(TILE);
-    (0..across * down)
-        .map(|tile| {
+    (tiles.iter())
+        .map(|&tile| {
             let column = f64::from(tile % across) + 0.5;
             let row = f64::from(tile / across) + 0.5;
             let centre = DVec2::new(x + column * side, y + row * side);
@@ -187,7 +287,7 @@ fn ray_tiles(request: &RenderRequest, [across, down]: [u32; 2]) -> Vec<RayTile> 
             let [pitch, pitch_rest] = in_quanta(pitch.extend(0.0), quantum);
             let vector = |v: DVec3, w: f64| [v.x as f32, v.y as f32, v.z as f32, w as f32];
             RayTile {
-                cell: [rays.cell[0], rays.cell[1], 0, 0],
+                cell: [rays.cell[0], rays.cell[1], tile as i32, 0],
                 origin: vector(rays.origin, rays.depth_offset),
                 origin_dx: vector(dx, rays.shrink[0]),
                 origin_dy: vector(dy, rays.shrink[1]),

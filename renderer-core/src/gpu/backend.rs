@@ -5,9 +5,10 @@ use std::time::{Duration, Instant};
 
 use crate::design::{Method, ToneMap};
 use crate::image::{Display, Picture};
-use crate::render::progressive::{FEWEST_FOR_ERROR, check_size};
+use crate::render::convergence::{PixelErrors, is_decision};
+use crate::render::progressive::check_size;
 use crate::render::{
-    Backend, BackendKind, Counters, MAX_SIDE, Progress, RenderError, RenderRequest,
+    Backend, BackendKind, Counters, MAX_SIDE, Progress, RenderError, RenderRequest, Skip,
 };
 
 use super::GpuContext;
@@ -16,7 +17,7 @@ use super::layout::{TONE_FILMIC, TONE_NONE};
 use super::needs::SceneNeeds;
 use super::pipelines::{Pipelines, binding};
 use super::readback::{self, dispatch, entry, slice_buffer};
-use super::schedule::{Job, Pace, Schedule};
+use super::schedule::{Drawn, Job, Pace, Schedule};
 use super::upload::SceneBuffers;
 
 /// Longest dispatch to aim for: what shares the device with us, a desktop perhaps, waits no longer.
@@ -33,6 +34,8 @@ pub struct GpuBackend {
     display: Option<wgpu::Texture>,
     filter_f32: bool,
     pipeline_time: Duration,
+    /// The pipeline that draws no more than rays and sums, and what it is for.
+    bare: Option<(SceneNeeds, wgpu::ComputePipeline)>,
 }
 
 /// A picture in the making.
@@ -43,6 +46,8 @@ struct Work {
     accumulation: Accumulation,
     schedule: Schedule,
     error_estimate: Option<f64>,
+    /// What draws it, once that is made.
+    pipeline: Option<wgpu::ComputePipeline>,
 }
 
 impl GpuBackend {
@@ -61,6 +66,7 @@ impl GpuBackend {
             display: None,
             filter_f32: false,
             pipeline_time: Duration::ZERO,
+            bare: None,
         })
     }
 
@@ -74,6 +80,31 @@ impl GpuBackend {
     pub fn set_filter_f32(&mut self, on: bool) {
         self.filter_f32 = on;
         self.work = None;
+    }
+
+    /// Draws nothing but rays and sums, of all tiles that are drawn.
+    fn draw_bare(&mut self, samples: u32) -> Result<(), RenderError> {
+        let (Some(work), Some(scene)) = (&mut self.work, &self.scene) else {
+            return Ok(());
+        };
+        let trace = &self.pipelines.trace;
+        let pipeline = match &self.bare {
+            Some((needs, pipeline)) if *needs == work.needs => pipeline,
+            _ => &self.bare.insert((work.needs, trace.bare(work.needs)?)).1,
+        };
+        let mut place = 0;
+        while place < work.accumulation.drawn_count() {
+            let (_, end) = work.accumulation.buffer_of(place);
+            let end = end.min(place + Job::MOST_TILES);
+            let job = Job {
+                tiles: place..end,
+                samples: 0..samples,
+                stride: 0,
+            };
+            work.draw(&self.context, (pipeline, trace.group()), scene, &job)?;
+            place = end;
+        }
+        Ok(())
     }
 
     /// Resolves the mean so far into a texture of the crop's size, sRGB-encoded values in rgba8unorm as egui wants
@@ -124,7 +155,7 @@ impl GpuBackend {
                 context.guarded(|| {
                     let workgroups = tiles.len() as u32 * 4;
                     let mut slice = work.accumulation.slice(&work.request, buffer, tiles);
-                    readback::show(&mut slice, work.schedule.drawn());
+                    readback::show(&mut slice, work.drawn());
                     slice.exposure_scale = display.exposure.exp2() as f32;
                     slice.tone_map = match display.tone_map {
                         ToneMap::None => TONE_NONE,
@@ -135,6 +166,7 @@ impl GpuBackend {
                     let entries = [
                         entry(binding::SUMS, &buffer.buffer),
                         entry(binding::SLICE, &slice),
+                        entry(binding::TILE_ENDS, &work.accumulation.tile_ends),
                         wgpu::BindGroupEntry {
                             binding: binding::DISPLAY,
                             resource: wgpu::BindingResource::TextureView(&view),
@@ -150,8 +182,13 @@ impl GpuBackend {
 }
 
 impl Work {
-    /// True if `request` is the same picture, so that only targets differ.
+    /// True if `request` is the same picture, so that only targets differ, and no tile has ended by another one.
     fn is_same_picture(&self, request: &RenderRequest) -> bool {
+        if request.settings.error != self.request.settings.error
+            && self.accumulation.has_converged_tiles()
+        {
+            return false;
+        }
         let mut same = request.clone();
         same.settings.samples = self.request.settings.samples;
         same.settings.error = self.request.settings.error;
@@ -168,12 +205,55 @@ impl Work {
             .error_estimate
             .is_some_and(|error| settings.error > 0.0 && error <= settings.error);
         samples >= settings.samples
-            || (precise && samples.is_power_of_two() && samples >= FEWEST_FOR_ERROR)
+            || (precise && is_decision(samples))
+            || self.accumulation.drawn_count() == 0
+    }
+
+    /// Samples of the pixels that are drawn, or that would be if there were any.
+    fn samples(&self) -> u32 {
+        if self.accumulation.is_background() {
+            return self.request.settings.samples;
+        }
+        self.schedule.samples()
+    }
+
+    /// Which samples the tiles of the picture have.
+    fn drawn(&self) -> Drawn {
+        let drawn = self.schedule.drawn();
+        Drawn {
+            split_tile: self.accumulation.tile_at(drawn.split_tile),
+            ..drawn
+        }
+    }
+
+    /// Estimates the error, and ends the tiles that need no more samples.
+    fn estimate(
+        &mut self,
+        context: &GpuContext,
+        pipelines: &mut Pipelines,
+    ) -> Result<(), RenderError> {
+        let samples = self.schedule.samples();
+        let (accumulation, request) = (&mut self.accumulation, &self.request);
+        let errors = readback::tile_errors(context, pipelines, accumulation, request, samples)?;
+        let mut whole = PixelErrors::default();
+        for tile in &errors {
+            whole += *tile;
+        }
+        self.error_estimate = Some(whole.relative());
+        let target = request.settings.error;
+        let may_end = target > 0.0 && request.settings.skips.has(Skip::ConvergedTiles);
+        if may_end && is_decision(samples) {
+            let is_done = |tile: &PixelErrors| tile.have_converged(&whole, target);
+            if accumulation.end_tiles(context, request, samples, &errors, is_done)? {
+                self.schedule.set_tiles(accumulation.drawn_count());
+            }
+        }
+        Ok(())
     }
 
     fn progress(&self) -> Progress {
         Progress {
-            samples: self.schedule.samples(),
+            samples: self.samples(),
             error_estimate: self.error_estimate,
             done: self.is_done(),
         }
@@ -183,11 +263,11 @@ impl Work {
     fn draw(
         &mut self,
         context: &GpuContext,
-        pipelines: &mut Pipelines,
+        (pipeline, layout): (&wgpu::ComputePipeline, &wgpu::BindGroupLayout),
         scene: &SceneBuffers,
         job: &Job,
     ) -> Result<(), RenderError> {
-        let buffer = self.accumulation.buffer_of(job.tiles.start);
+        let (buffer, _) = self.accumulation.buffer_of(job.tiles.start);
         let mut slice = self
             .accumulation
             .slice(&self.request, buffer, job.tiles.clone());
@@ -195,7 +275,6 @@ impl Work {
         slice.end_sample = job.samples.end;
         slice.stride = job.stride;
         slice.pixels_per_tile = job.pixels_per_tile();
-        let (pipeline, layout) = pipelines.trace(context, self.needs)?;
         let encoder = context.guarded(|| {
             let slice = slice_buffer(context, &slice);
             let group = context
@@ -235,6 +314,24 @@ impl Backend for GpuBackend {
     }
 
     fn begin(&mut self, request: &RenderRequest) -> Result<(), RenderError> {
+        self.begin_soon(request)?;
+        let (Some(work), Some(scene)) = (&mut self.work, &self.scene) else {
+            return Ok(());
+        };
+        if work.pipeline.is_none() {
+            let (start, never) = (Instant::now(), AtomicBool::new(false));
+            let made = self
+                .pipelines
+                .trace
+                .wait(work.needs, &scene.group, None, &never);
+            self.pipeline_time = start.elapsed();
+            work.pipeline = made?;
+        }
+        Ok(())
+    }
+
+    fn begin_soon(&mut self, request: &RenderRequest) -> Result<(), RenderError> {
+        self.pipeline_time = Duration::ZERO;
         if let Some(work) = &mut self.work
             && work.is_same_picture(request)
         {
@@ -248,18 +345,23 @@ impl Backend for GpuBackend {
         let before = self.work.take().map(|work| work.accumulation);
         let old = self.scene.as_ref();
         let scene = SceneBuffers::new(&self.context, &self.pipelines, &request.scene, old)?;
-        self.scene = Some(scene);
-        let accumulation = Accumulation::new(&self.context, request, before)?;
+        let accumulation = match Accumulation::new(&self.context, request, before) {
+            Ok(accumulation) => accumulation,
+            Err(error) => {
+                self.scene = Some(scene);
+                return Err(error);
+            }
+        };
         let needs = SceneNeeds::new(&request.scene, &request.settings, self.filter_f32);
-        let start = Instant::now();
-        self.pipelines.trace(&self.context, needs)?;
-        self.pipeline_time = start.elapsed();
+        let pipeline = self.pipelines.trace.get(needs, &scene.group)?;
+        self.scene = Some(scene);
         self.work = Some(Work {
             request: request.clone(),
             needs,
-            schedule: Schedule::new(accumulation.tile_count()),
+            schedule: Schedule::new(accumulation.drawn_count()),
+            error_estimate: accumulation.is_background().then_some(0.0),
             accumulation,
-            error_estimate: None,
+            pipeline,
         });
         Ok(())
     }
@@ -272,32 +374,45 @@ impl Backend for GpuBackend {
             });
         };
         let start = Instant::now();
+        if work.pipeline.is_none() {
+            let deadline = start.checked_add(slice);
+            let trace = &self.pipelines.trace;
+            work.pipeline = trace.wait(work.needs, &scene.group, deadline, cancel)?;
+        }
+        let Some(pipeline) = work.pipeline.clone() else {
+            return Ok(work.progress());
+        };
         while !work.is_done() && !cancel.load(Ordering::Relaxed) {
             let left = slice.saturating_sub(start.elapsed());
             let paths = self.pace.paths_in(left.min(LONGEST_DISPATCH));
             let accumulation = &work.accumulation;
-            let buffer_end = |tile| accumulation.buffer_of(tile).tiles.end;
+            let buffer_end = |place| accumulation.buffer_of(place).1;
             let job = work
                 .schedule
                 .next(paths, work.request.settings.samples, buffer_end);
             let begun = Instant::now();
-            work.draw(&self.context, &mut self.pipelines, scene, &job)?;
+            let layout = self.pipelines.trace.group();
+            work.draw(&self.context, (&pipeline, layout), scene, &job)?;
             self.pace.learn(job.paths(), begun.elapsed());
             let samples = work.schedule.samples();
             if work.schedule.is_between_passes() && samples > 0 && samples.is_multiple_of(4) {
-                work.error_estimate = Some(readback::error_estimate(
-                    &self.context,
-                    &mut self.pipelines,
-                    &work.accumulation,
-                    &work.request,
-                    samples,
-                )?);
+                work.estimate(&self.context, &mut self.pipelines)?;
             }
             if start.elapsed() >= slice {
                 break;
             }
         }
         Ok(work.progress())
+    }
+
+    fn is_ready(&mut self) -> Result<bool, RenderError> {
+        let (Some(work), Some(scene)) = (&mut self.work, &self.scene) else {
+            return Ok(true);
+        };
+        if work.pipeline.is_none() {
+            work.pipeline = self.pipelines.trace.get(work.needs, &scene.group)?;
+        }
+        Ok(work.pipeline.is_some())
     }
 
     fn picture(&mut self) -> Result<Picture, RenderError> {
@@ -308,7 +423,7 @@ impl Backend for GpuBackend {
                 &mut self.pipelines,
                 &work.accumulation,
                 &work.request,
-                work.schedule.drawn(),
+                work.drawn(),
             ),
         }
     }
@@ -316,7 +431,9 @@ impl Backend for GpuBackend {
     fn counters(&mut self) -> Result<Counters, RenderError> {
         match &self.work {
             Some(work) if work.request.settings.counters => {
-                readback::counters(&self.context, &work.accumulation)
+                let mut counters = readback::counters(&self.context, &work.accumulation)?;
+                counters += work.accumulation.left_out(work.samples());
+                Ok(counters)
             }
             _ => Ok(Counters::default()),
         }
@@ -324,6 +441,22 @@ impl Backend for GpuBackend {
 
     fn pipeline_time(&self) -> Duration {
         self.pipeline_time
+    }
+
+    fn bare_sample(&mut self) -> Result<Option<Duration>, RenderError> {
+        // So many that the time between dispatches counts for nothing; the first pays for the driver's compiler.
+        const SAMPLES: u32 = 16;
+        const ROUNDS: u32 = 5;
+        self.draw_bare(1)?;
+        let mut least = Duration::MAX;
+        for _ in 0..ROUNDS {
+            let start = Instant::now();
+            self.draw_bare(SAMPLES)?;
+            least = least.min(start.elapsed() / SAMPLES);
+        }
+        // Its sums are worth nothing now.
+        self.work = None;
+        Ok(Some(least))
     }
 
     fn largest_side(&self) -> u32 {

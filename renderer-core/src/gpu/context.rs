@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::DeviceWatch;
+use super::kept::{KeptPipelines, wanted_features};
 use crate::render::RenderError;
 
 /// Device, queue and what is known of their adapter. Clones share them.
@@ -18,6 +19,8 @@ pub struct GpuContext {
     pub limits: Arc<wgpu::Limits>,
     /// Whether the device is lost.
     pub watch: DeviceWatch,
+    /// Where compiled pipelines are kept, if they are.
+    pub(super) kept: Option<Arc<KeptPipelines>>,
 }
 
 /// Storage buffers that the tracing pass reads and writes.
@@ -34,6 +37,7 @@ impl GpuContext {
         })?;
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("towel designer"),
+            required_features: wanted_features(&adapter),
             required_limits: adapter.limits(),
             ..Default::default()
         };
@@ -61,6 +65,7 @@ impl GpuContext {
             info: Arc::new(info),
             limits: Arc::new(limits),
             watch,
+            kept: None,
         };
         context.check(
             "the number of storage buffers a shader needs",

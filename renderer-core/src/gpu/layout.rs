@@ -106,8 +106,12 @@ constants! {
     COUNT_VOLUME_SAMPLES = 4;
     /// Index of the counter of contributing hits.
     COUNT_CONTRIBUTING_HITS = 5;
+    /// Index of the counter of shadow rays that ended in the dark.
+    COUNT_ENDED_RAYS = 6;
+    /// Index of the counter of rays for which no ground yarn was looked for.
+    COUNT_HIDDEN_RAYS = 7;
     /// Number of counters.
-    COUNTERS_IN_ALL = 6;
+    COUNTERS_IN_ALL = 8;
     /// Bit of a stitch word: warp over at the crossing itself.
     STITCH_HERE = 0;
     /// Bit of a stitch word: warp over at the next crossing along x.
@@ -122,6 +126,8 @@ constants! {
     SUMS = 2;
     /// The same with AOV.
     SUMS_WITH_AOV = 4;
+    /// End of a tile that shows background alone.
+    ALL_BACKGROUND = u32::MAX;
     /// Coarsest lattice of the first sample, pixels.
     COARSEST = 16;
     /// Tone map: hard clip.
@@ -221,9 +227,9 @@ mirrors! {
         materials: [Material; MAX_MATERIALS as usize],
     }
 
-    /// Camera rays of a tile.
+    /// Camera rays of a tile that is drawn.
     struct RayTile {
-        /// Cell that the origin is relative to.
+        /// Cell that the origin is relative to; which tile it is.
         cell: [i32; 4],
         /// Origin, mm; how many directions lie before it.
         origin: [f32; 4],
@@ -255,9 +261,9 @@ mirrors! {
         tiles_across: u32,
         /// First tile of the bound accumulation buffer.
         buffer_first_tile: u32,
-        /// First tile to work on.
+        /// First tile to work on; for the tracing program, place among the tiles that are drawn.
         first_tile: u32,
-        /// Tile to stop before.
+        /// The one to stop before.
         end_tile: u32,
         /// First sample to add.
         first_sample: u32,
@@ -291,5 +297,7 @@ mirrors! {
         step: f32,
         /// Padding.
         unused: f32,
+        /// Background.
+        background: [f32; 4],
     }
 }

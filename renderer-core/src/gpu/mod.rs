@@ -5,7 +5,8 @@
 //! resolved on the device: to a display texture for a window, or to linear pixels that are read back.
 //!
 //! - [`adapters`]: what this machine has. [`context`]: device and queue, own or another's. [`DeviceWatch`]: whether it is lost. [`layout`]: the only mirrors of WGSL structs.
-//! - [`shaders`]: the files of shaders/ put together. [`needs`]: what of them a scene uses. `pipelines`: their cache.
+//! - [`shaders`]: the files of shaders/ put together. [`needs`]: what of them a scene uses. `pipelines`: the programs; `builder`: the
+//!   thread that compiles tracing pipelines; `kept`: compiled ones that outlive the program.
 //! - `upload`: a scene's buffers and textures. `accumulation`: the sums. `schedule`: what to draw next, and how much.
 //! - `readback`: pictures, error estimate and counters back on the host. [`backend`]: all of it as a
 //!   [`Backend`](crate::render::Backend).
@@ -15,8 +16,10 @@
 mod accumulation;
 mod adapters;
 pub mod backend;
+mod builder;
 pub mod context;
 mod highlight;
+mod kept;
 pub mod layout;
 pub mod needs;
 mod pipelines;
@@ -29,4 +32,5 @@ mod watch;
 pub use adapters::{AdapterSummary, adapters};
 pub use backend::GpuBackend;
 pub use context::GpuContext;
+pub use kept::wanted_features;
 pub use watch::DeviceWatch;

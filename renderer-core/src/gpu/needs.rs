@@ -1,7 +1,7 @@
 //! What a picture needs of the shaders: the values of their `override` constants. Pipelines are cached by it.
 
 use crate::design::{Interpolation, Method, Phase, Sampler, SkeletonHeight, SkeletonShading};
-use crate::render::Settings;
+use crate::render::{Settings, Skip};
 use crate::scene::{Scene, Sky};
 
 use super::layout;
@@ -43,23 +43,33 @@ pub struct SceneNeeds {
     pub counters: bool,
     /// Voxels are filtered in f32.
     pub filter_f32: bool,
+    /// Shadow rays end where hardly any light comes through.
+    pub opaque_rays: bool,
+    /// Ground yarns are looked for only where pile lets something through.
+    pub hidden_ground: bool,
 }
 
 impl SceneNeeds {
     /// What `scene` drawn with `settings` needs.
     pub fn new(scene: &Scene, settings: &Settings, filter_f32: bool) -> Self {
-        let environment = scene.lights.environment.iter().any(|&c| c > 0.0);
+        // What the scene's numbers turn off as well, so that it need not be left out.
+        let every = !settings.skips.has(Skip::UnusedShading);
+        let environment = every || scene.lights.environment.iter().any(|&c| c > 0.0);
         Self {
             method: settings.method,
             phase: scene.pile.phase,
-            long_paths: settings.closing_bounce().unwrap_or(settings.bounces) > 1,
-            closing: settings.closing_bounce().is_some(),
+            long_paths: every || settings.closing_bounce().unwrap_or(settings.bounces) > 1,
+            closing: every || settings.closing_bounce().is_some(),
             linear_layers: scene.volumes.interpolation == Interpolation::Linear,
             layers: scene.volumes.layers,
             root_blend: scene.volumes.root_blend > 0.0,
             skeleton: scene.skeleton.visible.then_some(scene.skeleton.height),
             shading: scene.skeleton.shading,
-            suns: scene.lights.suns.len() as u32,
+            suns: if every {
+                layout::MAX_SUNS
+            } else {
+                scene.lights.suns.len() as u32
+            },
             shadows: settings.shadows,
             owen: settings.sampler == Sampler::Owen,
             environment,
@@ -71,6 +81,8 @@ impl SceneNeeds {
             aov: settings.aov,
             counters: settings.counters,
             filter_f32,
+            opaque_rays: settings.skips.has(Skip::OpaqueRays),
+            hidden_ground: settings.skips.has(Skip::HiddenGround),
         }
     }
 
@@ -118,6 +130,8 @@ impl SceneNeeds {
             flag("AOV", self.aov),
             flag("COUNTERS", self.counters),
             flag("FILTER_F32", self.filter_f32),
+            flag("OPAQUE_RAYS", self.opaque_rays),
+            flag("HIDDEN_GROUND", self.hidden_ground),
         ]
     }
 }

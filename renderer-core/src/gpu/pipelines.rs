@@ -1,4 +1,4 @@
-//! Compute pipelines, made when first needed and kept.
+//! The programs and their pipelines, made when first needed and kept.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -6,8 +6,9 @@ use std::collections::hash_map::Entry;
 use crate::render::RenderError;
 
 use super::GpuContext;
+use super::builder::Builder;
+use super::kept::KeptPipelines;
 use super::layout::{SceneConstants, Slice};
-use super::needs::SceneNeeds;
 use super::shaders::{Composed, ERROR, Part, RESOLVE, TRACE};
 
 /// Bindings of group 1; group 0 is the scene's.
@@ -26,14 +27,17 @@ pub mod binding {
     pub const LINEAR: u32 = 5;
     /// Errors of tiles to read back.
     pub const TILE_ERRORS: u32 = 6;
+    /// Where tiles ended.
+    pub const TILE_ENDS: u32 = 7;
 }
 
 /// A program and the layouts of its bindings.
 #[derive(Debug)]
-struct Program {
+pub struct Program {
     module: wgpu::ShaderModule,
     layout: wgpu::PipelineLayout,
-    group: wgpu::BindGroupLayout,
+    /// Layout of group 1.
+    pub group: wgpu::BindGroupLayout,
 }
 
 /// All pipelines of a device.
@@ -41,11 +45,11 @@ struct Program {
 pub struct Pipelines {
     /// Layout of group 0 of the tracing program.
     pub scene_layout: wgpu::BindGroupLayout,
-    trace: Program,
+    /// Makes the pipelines that add samples.
+    pub trace: Builder,
     display: Program,
     linear: Program,
     error: Program,
-    traces: HashMap<SceneNeeds, wgpu::ComputePipeline>,
     /// Keyed by AOV.
     displays: HashMap<bool, wgpu::ComputePipeline>,
     linears: HashMap<bool, wgpu::ComputePipeline>,
@@ -132,7 +136,8 @@ impl Program {
         })
     }
 
-    fn pipeline(
+    /// A pipeline with these values of its `override` constants.
+    pub fn pipeline(
         &self,
         context: &GpuContext,
         entry_point: &str,
@@ -150,7 +155,7 @@ impl Program {
                         constants,
                         ..Default::default()
                     },
-                    cache: None,
+                    cache: context.kept.as_deref().map(KeptPipelines::cache),
                 })
         })
     }
@@ -186,6 +191,7 @@ impl Pipelines {
         })?;
         let sums = storage(binding::SUMS, false);
         let slice = uniform(binding::SLICE, size_of::<Slice>());
+        let ends = storage(binding::TILE_ENDS, true);
         let display = other(
             binding::DISPLAY,
             wgpu::BindingType::StorageTexture {
@@ -195,47 +201,34 @@ impl Pipelines {
             },
         );
         let program = |parts, scene, entries: &[_]| Program::new(context, parts, scene, entries);
+        let trace = program(
+            TRACE,
+            Some(&scene_layout),
+            &[
+                storage(binding::RAY_TILES, true),
+                sums,
+                slice,
+                storage(binding::TOTALS, false),
+            ],
+        )?;
         Ok(Self {
-            trace: program(
-                TRACE,
-                Some(&scene_layout),
-                &[
-                    storage(binding::RAY_TILES, true),
-                    sums,
-                    slice,
-                    storage(binding::TOTALS, false),
-                ],
-            )?,
-            display: program(RESOLVE, None, &[sums, slice, display])?,
+            trace: Builder::new(context, trace)?,
+            display: program(RESOLVE, None, &[sums, slice, ends, display])?,
             linear: program(
                 RESOLVE,
                 None,
-                &[sums, slice, storage(binding::LINEAR, false)],
+                &[sums, slice, ends, storage(binding::LINEAR, false)],
             )?,
             error: program(
                 ERROR,
                 None,
-                &[sums, slice, storage(binding::TILE_ERRORS, false)],
+                &[sums, slice, ends, storage(binding::TILE_ERRORS, false)],
             )?,
             scene_layout,
-            traces: HashMap::new(),
             displays: HashMap::new(),
             linears: HashMap::new(),
             errors: HashMap::new(),
         })
-    }
-
-    /// The pipeline that adds samples, and the layout of its group 1.
-    pub fn trace(&mut self, context: &GpuContext, needs: SceneNeeds) -> Made<'_> {
-        let pipeline = match self.traces.entry(needs) {
-            Entry::Occupied(made) => made.into_mut(),
-            Entry::Vacant(place) => place.insert(self.trace.pipeline(
-                context,
-                "trace_main",
-                &needs.constants(),
-            )?),
-        };
-        Ok((pipeline, &self.trace.group))
     }
 
     /// The pipeline that fills the display texture.

@@ -3,6 +3,7 @@
 use std::sync::mpsc;
 
 use crate::image::{Aov, Picture};
+use crate::render::convergence::PixelErrors;
 use crate::render::{Counters, RenderError, RenderRequest};
 
 use super::GpuContext;
@@ -137,6 +138,7 @@ pub fn picture(
                 let entries = [
                     entry(binding::SUMS, &buffer.buffer),
                     entry(binding::SLICE, &slice),
+                    entry(binding::TILE_ENDS, &accumulation.tile_ends),
                     entry(binding::LINEAR, &output),
                 ];
                 let workgroups = pixels.div_ceil(layout::WORKGROUP.into()) as u32;
@@ -180,18 +182,18 @@ pub fn entry(binding: u32, buffer: &wgpu::Buffer) -> wgpu::BindGroupEntry<'_> {
     }
 }
 
-/// Estimated relRMSE of the mean of `samples` samples, a multiple of four.
-pub fn error_estimate(
+/// The error of each tile, of which those that are drawn have `samples` samples, a multiple of four.
+pub fn tile_errors(
     context: &GpuContext,
     pipelines: &mut Pipelines,
     accumulation: &Accumulation,
     request: &RenderRequest,
     samples: u32,
-) -> Result<f64, RenderError> {
+) -> Result<Vec<PixelErrors>, RenderError> {
     let made = pipelines.error(context, request.settings.aov)?;
     // One workgroup a tile, so no more tiles in a dispatch than it may have workgroups.
     let tiles_at_a_time = context.limits.max_compute_workgroups_per_dimension;
-    let (mut variance, mut sum) = (0.0, 0.0);
+    let mut errors = Vec::new();
     for buffer in &accumulation.sums {
         for first in buffer.tiles.clone().step_by(tiles_at_a_time as usize) {
             let tiles = first..first.saturating_add(tiles_at_a_time).min(buffer.tiles.end);
@@ -204,26 +206,23 @@ pub fn error_estimate(
                 let entries = [
                     entry(binding::SUMS, &buffer.buffer),
                     entry(binding::SLICE, &slice),
+                    entry(binding::TILE_ENDS, &accumulation.tile_ends),
                     entry(binding::TILE_ERRORS, &output),
                 ];
                 dispatch(context, &mut encoder, made, &entries, tiles.len() as u32);
                 read(context, encoder, &output)
             })??;
-            for tile in floats(&bytes).chunks_exact(2) {
-                variance += f64::from(tile[0]);
-                sum += f64::from(tile[1]);
-            }
+            let found = floats(&bytes);
+            errors.extend(
+                (tiles.zip(found.chunks_exact(2))).map(|(tile, error)| PixelErrors {
+                    variance: f64::from(error[0]),
+                    sum: f64::from(error[1]),
+                    pixels: accumulation.pixels_of(tile),
+                }),
+            );
         }
     }
-    let [width, height] = accumulation.size.map(f64::from);
-    // Three channels.
-    let count = 3.0 * width * height;
-    // A black picture has no relative error; its spread is 0 as well.
-    Ok(if sum > 0.0 {
-        (variance / count).sqrt() / (sum / count)
-    } else {
-        0.0
-    })
+    Ok(errors)
 }
 
 /// Work done since the accumulation was made.
@@ -245,6 +244,8 @@ pub fn counters(
         patch_tests: total(layout::COUNT_PATCH_TESTS),
         volume_samples: total(layout::COUNT_VOLUME_SAMPLES),
         contributing_hits: total(layout::COUNT_CONTRIBUTING_HITS),
+        ended_rays: total(layout::COUNT_ENDED_RAYS),
+        hidden_rays: total(layout::COUNT_HIDDEN_RAYS),
         ..Counters::default()
     })
 }

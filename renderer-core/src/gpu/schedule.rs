@@ -2,7 +2,8 @@
 //!
 //! The first sample comes as five passes over all tiles, on ever finer lattices of pixels, so that a coarse whole
 //! picture is there at once (as on the CPU). Later passes add one or more whole samples. A pass never goes beyond the
-//! next power of two of samples: there the error is looked at (MODEL.md §10).
+//! next power of two of samples: there the error is looked at, and tiles may end (MODEL.md §10). Tiles are counted here
+//! among those that are drawn.
 
 use std::ops::Range;
 use std::time::Duration;
@@ -24,6 +25,9 @@ pub struct Job {
 }
 
 impl Job {
+    /// Most whole tiles of one dispatch.
+    pub const MOST_TILES: u32 = MAX_WORKGROUPS * WORKGROUP / TILE_PIXELS;
+
     /// How many pixels of each tile are worked on.
     pub fn pixels_per_tile(&self) -> u32 {
         match self.stride {
@@ -47,7 +51,7 @@ impl Job {
 /// Which samples and lattices the tiles before and after a point have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Drawn {
-    /// The tile at which it changes.
+    /// The tile at which it changes, as the schedule counts them.
     pub split_tile: u32,
     /// Samples and lattice before it.
     pub before: (u32, u32),
@@ -78,6 +82,11 @@ impl Schedule {
             pass_end: 1,
             next_tile: 0,
         }
+    }
+
+    /// Goes on with fewer tiles; only between passes.
+    pub fn set_tiles(&mut self, tiles: u32) {
+        self.tiles = tiles;
     }
 
     /// Whole samples of every pixel.
@@ -148,6 +157,8 @@ pub struct Pace {
 
 /// Paths of the first dispatch, when nothing is known: little even for a slow device.
 const FIRST_PATHS: u64 = 2048;
+/// Dispatches that take less are no danger to anybody, and so short that handing them out counts.
+const SHORT_DISPATCH: Duration = Duration::from_millis(4);
 /// A dispatch is at most this many times what the last one was expected to hold: costs differ over a picture.
 const GROWTH: f64 = 4.0;
 
@@ -158,10 +169,15 @@ impl Pace {
             .map_or(FIRST_PATHS, |pace| (pace * time.as_secs_f64()) as u64)
     }
 
-    /// Learns from a finished dispatch. A device that turns out slower is believed at once (the picture may have become a
+    /// Learns from a finished dispatch. In a short one it is not the paths that take the time, so that it tells only if the
+    /// device is faster than thought. A device that turns out slower is believed at once (the picture may have become a
     /// costly one, and a driver's watchdog waits a second or two), a faster one by and by.
     pub fn learn(&mut self, paths: u64, time: Duration) {
         let measured = paths as f64 / time.as_secs_f64().max(1e-6);
+        let is_slower = self.paths_per_second.is_some_and(|old| measured < old);
+        if is_slower && time < SHORT_DISPATCH {
+            return;
+        }
         self.paths_per_second = Some(match self.paths_per_second {
             Some(old) if measured > old => (0.5 * (old + measured)).min(old * GROWTH),
             _ => measured,

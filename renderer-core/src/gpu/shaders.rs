@@ -14,6 +14,7 @@ pub const TRACE: &[Part] = parts![
     "settings.wgsl" "scene.wgsl" "sampling.wgsl" "counters.wgsl" "walk.wgsl" "patch.wgsl" "volume.wgsl"
     "skeleton.wgsl" "surface.wgsl" "phase.wgsl" "lights.wgsl" "events.wgsl" "single.wgsl" "layered.wgsl"
     "composite.wgsl" "tracked.wgsl" "camera.wgsl" "picture.wgsl" "bounced.wgsl" "exact.wgsl" "trace.wgsl"
+    "bare.wgsl"
 ];
 /// The program that shows or returns the mean.
 pub const RESOLVE: &[Part] = parts!["settings.wgsl" "picture.wgsl" "resolve.wgsl"];

@@ -2,7 +2,7 @@
 
 use bytemuck::Zeroable;
 
-use crate::design::{Phase, SkeletonHeight};
+use crate::design::Phase;
 use crate::render::RenderError;
 use crate::scene::{PileOptics, Scene, Skeleton, Sky, Volumes};
 
@@ -382,21 +382,6 @@ fn texture(
 
 fn rgb(colour: [f64; 3]) -> [f32; 4] {
     [colour[0] as f32, colour[1] as f32, colour[2] as f32, 0.0]
-}
-
-/// Lowest and highest point of loops and skeleton, mm.
-pub fn z_range_mm(scene: &Scene) -> [f64; 2] {
-    let [mut low, mut high] = scene.loops.z_range_mm.map(f64::from);
-    let skeleton = &scene.skeleton;
-    if skeleton.visible {
-        let thickest = skeleton.warp_radius_mm.max(skeleton.weft_radius_mm);
-        let reach = f64::from(match skeleton.height {
-            SkeletonHeight::Winding => thickest + skeleton.crimp_mm,
-            SkeletonHeight::Paper => thickest,
-        });
-        (low, high) = (low.min(-reach), high.max(reach));
-    }
-    [low, high]
 }
 
 fn scene_constants(scene: &Scene) -> SceneConstants {

@@ -6,6 +6,7 @@
 use glam::DVec3;
 
 use super::Counters;
+use super::convergence::PixelErrors;
 use crate::image::{Aov, Picture};
 use crate::sampling::SCRAMBLES;
 
@@ -100,6 +101,16 @@ struct AovSums {
     albedo: DVec3,
 }
 
+/// Whether a tile is drawn on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Standing {
+    Drawn,
+    /// It shows nothing but background: its only sample is that, and what each further sample would be.
+    Background,
+    /// Its error is as small as it has to be.
+    Converged,
+}
+
 /// A square of pixels (smaller at the picture's right and lower edges).
 #[derive(Debug, Clone)]
 pub struct Tile {
@@ -107,6 +118,7 @@ pub struct Tile {
     size: [u32; 2],
     pixels: Vec<PixelSums>,
     aov: Vec<AovSums>,
+    standing: Standing,
     /// The pass this tile is in, and the row it draws next.
     pass: Pass,
     row: u32,
@@ -115,9 +127,57 @@ pub struct Tile {
 }
 
 impl Tile {
-    /// Whether `pass` is drawn.
+    /// Whether nothing of `pass` is left to draw.
     pub fn has_finished(&self, pass: Pass) -> bool {
-        self.pass.0 > pass.0
+        self.standing != Standing::Drawn || self.pass.0 > pass.0
+    }
+
+    /// Whether the tile is drawn as long as the picture is.
+    pub fn is_drawn(&self) -> bool {
+        self.standing == Standing::Drawn
+    }
+
+    /// Ends the tile: its error is as small as it has to be.
+    pub fn end(&mut self) {
+        self.standing = Standing::Converged;
+    }
+
+    /// Makes the tile one that shows `background` alone.
+    fn fill(&mut self, background: DVec3) {
+        self.standing = Standing::Background;
+        self.pixels.fill(PixelSums {
+            radiance: background,
+            samples: 1,
+            ..PixelSums::default()
+        });
+    }
+
+    /// The error of its pixels; `None` until every scramble has a sample everywhere.
+    ///
+    /// The four means are independent, so the variance of their mean is Σ(mᵢ − m)²/(4·3). Samples within one
+    /// scramble are not independent, and their own spread would tell nothing about it (MODEL.md §10).
+    pub fn errors(&self) -> Option<PixelErrors> {
+        const N: f64 = SCRAMBLES as f64;
+        let mut errors = PixelErrors::default();
+        for pixel in &self.pixels {
+            let mut means = pixel.signed;
+            if self.standing != Standing::Background {
+                if pixel.samples < SCRAMBLES {
+                    return None;
+                }
+                for (scramble, mean) in (0..).zip(&mut means) {
+                    *mean /= f64::from((pixel.samples + SCRAMBLES - 1 - scramble) / SCRAMBLES);
+                }
+            }
+            let mean = means.iter().sum::<f64>() / N;
+            let spread: f64 = means.iter().map(|m| (m - mean).powi(2)).sum();
+            errors += PixelErrors {
+                variance: spread / (N * (N - 1.0)),
+                sum: pixel.radiance.element_sum() / f64::from(pixel.samples),
+                pixels: 1,
+            };
+        }
+        Some(errors)
     }
 
     /// Draws the next row of the current pass with `draw(pixel of the accumulation, sample)`.
@@ -181,6 +241,7 @@ impl Accumulation {
                 size: tile_size,
                 pixels: vec![PixelSums::default(); count],
                 aov: vec![AovSums::default(); if aov { count } else { 0 }],
+                standing: Standing::Drawn,
                 pass: Pass::default(),
                 row: 0,
                 counters: Counters::default(),
@@ -198,35 +259,62 @@ impl Accumulation {
         self.tiles.iter().map(|t| tile(t) as u64).sum()
     }
 
-    /// Estimated relRMSE of the mean picture (MODEL.md §11), from the spread of the means of the four scrambles of every
-    /// pixel; `None` until every scramble has a sample everywhere.
-    ///
-    /// The four means are independent, so the variance of their mean is Σ(mᵢ − m)²/(4·3). Samples within one
-    /// scramble are not independent, and their own spread would tell nothing about it (MODEL.md §10).
-    pub fn error_estimate(&self) -> Option<f64> {
-        const N: f64 = SCRAMBLES as f64;
-        let (mut variance, mut sum, mut count) = (0.0, 0.0, 0.0);
-        for pixel in self.tiles.iter().flat_map(|tile| &tile.pixels) {
-            if pixel.samples < SCRAMBLES {
-                return None;
+    /// The error of each tile and of the whole picture; `None` until every scramble has a sample everywhere.
+    pub fn errors(&self) -> Option<(Vec<PixelErrors>, PixelErrors)> {
+        let mut whole = PixelErrors::default();
+        let of_tiles = self.tiles.iter().map(|tile| {
+            let errors = tile.errors()?;
+            whole += errors;
+            Some(errors)
+        });
+        let of_tiles = of_tiles.collect::<Option<_>>()?;
+        Some((of_tiles, whole))
+    }
+
+    /// Ends every tile that `is_done(its error)`.
+    pub fn end_tiles(
+        &mut self,
+        errors: &[PixelErrors],
+        mut is_done: impl FnMut(&PixelErrors) -> bool,
+    ) {
+        for (tile, errors) in self.tiles.iter_mut().zip(errors) {
+            if tile.is_drawn() && is_done(errors) {
+                tile.end();
             }
-            let mut means = pixel.signed;
-            for (scramble, mean) in (0..).zip(&mut means) {
-                *mean /= f64::from((pixel.samples + SCRAMBLES - 1 - scramble) / SCRAMBLES);
-            }
-            let mean = means.iter().sum::<f64>() / N;
-            let spread: f64 = means.iter().map(|m| (m - mean).powi(2)).sum();
-            variance += spread / (N * (N - 1.0));
-            sum += pixel.radiance.element_sum() / f64::from(pixel.samples);
-            // Three channels.
-            count += 3.0;
         }
-        // A black picture has no relative error; its spread is 0 as well.
-        Some(if sum > 0.0 {
-            (variance / count).sqrt() / (sum / count)
-        } else {
-            0.0
-        })
+    }
+
+    /// Fills the tiles that show `background` alone.
+    pub fn fill_background(&mut self, is_background: &[bool], background: DVec3) {
+        for (tile, _) in (self.tiles.iter_mut().zip(is_background)).filter(|(_, is)| **is) {
+            tile.fill(background);
+        }
+    }
+
+    /// Samples of whole tiles that are left out of `samples` of each: of background, and of converged tiles.
+    pub fn left_out(&self, samples: u32) -> Counters {
+        let mut counters = Counters::default();
+        for tile in &self.tiles {
+            match tile.standing {
+                Standing::Drawn => {}
+                Standing::Background => counters.skipped_tiles += u64::from(samples),
+                Standing::Converged => {
+                    let drawn = tile.pass.samples_before();
+                    counters.converged_tiles += u64::from(samples.saturating_sub(drawn));
+                }
+            }
+        }
+        counters
+    }
+
+    /// Whether any tile has ended before the picture.
+    pub fn has_converged_tiles(&self) -> bool {
+        (self.tiles.iter()).any(|tile| tile.standing == Standing::Converged)
+    }
+
+    /// Whether there is nothing but background.
+    pub fn is_background(&self) -> bool {
+        (self.tiles.iter()).all(|tile| tile.standing == Standing::Background)
     }
 
     /// The mean of the samples so far; a pixel that has none shows the nearest that has.
@@ -272,21 +360,25 @@ impl Accumulation {
     }
 
     /// For every tile the one that its pixels are taken from: itself if it has begun, else the nearest before it in
-    /// the order of drawing, else the nearest after it.
+    /// the order of drawing, else the nearest after it; but never one of background, which would be taken for the cloth.
     fn drawn_tiles(&self) -> Vec<Option<&Tile>> {
         let mut last = None;
         let mut sources: Vec<_> = self
             .tiles
             .iter()
             .map(|tile| {
+                if tile.standing == Standing::Background {
+                    return Some(tile);
+                }
                 if tile.pixels[0].samples > 0 {
                     last = Some(tile);
                 }
                 last
             })
             .collect();
-        let first = sources.iter().flatten().next().copied();
-        for source in sources.iter_mut().take_while(|source| source.is_none()) {
+        let is_cloth = |tile: &&&Tile| tile.standing != Standing::Background;
+        let first = sources.iter().flatten().find(is_cloth).copied();
+        for source in sources.iter_mut().filter(|source| source.is_none()) {
             *source = first;
         }
         sources

@@ -103,6 +103,11 @@ impl Camera {
         }
     }
 
+    /// Whether all rays have one direction.
+    pub fn is_parallel(&self) -> bool {
+        matches!(self.projection, Projection::Orthographic { .. })
+    }
+
     /// Origin (mm) and unit direction of the ray through the point `pixel` (from the top left, pixel centres at ½) of a
     /// picture of `size` pixels.
     pub fn ray(&self, pixel: DVec2, size: [u32; 2]) -> (DVec3, DVec3) {

@@ -5,10 +5,13 @@
 //! part of it.
 
 pub mod accumulation;
+mod background;
 mod camera;
+pub mod convergence;
 pub mod progressive;
 mod skips;
 
+pub use background::{background_tiles, cloth_box, z_range_mm};
 pub use camera::{Camera, Projection, RayTile};
 pub use skips::{Skip, Skips};
 
@@ -109,9 +112,12 @@ impl Settings {
 /// Where a picture stands.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Progress {
-    /// Whole samples of every pixel so far. While 0, [`Backend::picture`] may be coarse.
+    /// Whole samples so far of every pixel that is still drawn. Pixels of tiles that have converged have fewer, and those of
+    /// tiles that show background alone need none; where a whole picture is background, this is the number asked
+    /// for. While 0, [`Backend::picture`] may be coarse.
     pub samples: u32,
-    /// Estimated relRMSE (MODEL.md §11) of the mean so far, from the spread of four independent scrambles; `None` below 4 samples.
+    /// Estimated relRMSE (MODEL.md §11) of the mean so far, all pixels included whatever their number of samples, from the
+    /// spread of four independent scrambles; `None` below 4 samples.
     pub error_estimate: Option<f64>,
     /// True when nothing is left to do.
     pub done: bool,
@@ -142,7 +148,8 @@ pub struct Counters {
     pub repeated_tests: u64,
     /// Shadow rays ended because hardly any light came through.
     pub ended_rays: u64,
-    /// Rays ended at a ground weave without gaps, before what lies behind it.
+    /// Rays that ended in pile before ground yarns were looked for, or at a ground weave without gaps before what lies
+    /// behind it.
     pub hidden_rays: u64,
 }
 
@@ -230,6 +237,23 @@ pub trait Backend: Send {
     /// When the request is beyond the device.
     fn begin(&mut self, request: &RenderRequest) -> Result<(), RenderError>;
 
+    /// The same, but does not wait for what a device has to make first, such as compiled shaders: until [`Self::is_ready`]
+    /// nothing is drawn, and [`Self::advance`] only waits.
+    ///
+    /// # Errors
+    /// When the request is beyond the device.
+    fn begin_soon(&mut self, request: &RenderRequest) -> Result<(), RenderError> {
+        self.begin(request)
+    }
+
+    /// Whether the picture begun can be drawn.
+    ///
+    /// # Errors
+    /// When what it needs could not be made.
+    fn is_ready(&mut self) -> Result<bool, RenderError> {
+        Ok(true)
+    }
+
     /// Works for about `slice`, or until done or `cancel` is true.
     ///
     /// # Errors
@@ -251,6 +275,15 @@ pub trait Backend: Send {
     /// How much of the last [`Self::begin`] went into making pipelines.
     fn pipeline_time(&self) -> Duration {
         Duration::ZERO
+    }
+
+    /// Time of a sample of the picture begun if nothing is traced and only rays are made and sums written: what the rest
+    /// is held against. `None` where that means nothing. The picture has to be begun again.
+    ///
+    /// # Errors
+    /// When the device fails.
+    fn bare_sample(&mut self) -> Result<Option<Duration>, RenderError> {
+        Ok(None)
     }
 
     /// Bytes held on the device for scene and accumulation; for processors, what they hold beside the scene.

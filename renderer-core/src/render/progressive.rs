@@ -6,15 +6,14 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
+use glam::DVec3;
 use rayon::prelude::*;
 
-use super::accumulation::{Accumulation, Pass, Sample, Tile};
-use super::{Counters, MAX_SIDE, Progress, RenderError, RenderRequest};
+use super::accumulation::{Accumulation, Pass, Sample, TILE_SIDE, Tile};
+use super::background::background_tiles;
+use super::convergence::is_decision;
+use super::{Counters, MAX_SIDE, Progress, RenderError, RenderRequest, Skip};
 use crate::image::Picture;
-
-/// Fewest samples at which an error target can end a picture: below, each of the four means that the error is
-/// estimated from is of less than four samples, and rare bright paths have not shown themselves.
-pub(crate) const FEWEST_FOR_ERROR: u32 = 16;
 
 /// Which threads draw.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,16 +41,22 @@ impl Progressive {
     pub fn new(request: &RenderRequest) -> Result<Self, RenderError> {
         check_size(request.size, request.crop)?;
         let [_, _, width, height] = request.crop;
+        let mut accumulation = Accumulation::new([width, height], request.settings.aov);
+        if request.settings.skips.has(Skip::BackgroundTiles) {
+            let background = DVec3::from_array(request.scene.lights.background);
+            accumulation.fill_background(&background_tiles(request, TILE_SIDE), background);
+        }
+        let error_estimate = accumulation.is_background().then_some(0.0);
         Ok(Self {
             request: request.clone(),
-            accumulation: Accumulation::new([width, height], request.settings.aov),
+            accumulation,
             pass: Pass::default(),
-            error_estimate: None,
+            error_estimate,
         })
     }
 
-    /// Takes over the targets of `request` if it is the same picture and no target has been passed already; false if
-    /// it needs a new start.
+    /// Takes over the targets of `request` if it is the same picture and no target has been passed already, for no tile
+    /// either; false if it needs a new start.
     pub fn go_on_with(&mut self, request: &RenderRequest) -> bool {
         let (old, new) = (self.request.settings, request.settings);
         let mut same = request.clone();
@@ -59,7 +64,11 @@ impl Progressive {
         let never_stops = |error: f64| error <= 0.0;
         let stricter =
             never_stops(new.error) || (!never_stops(old.error) && new.error <= old.error);
-        let fits = same == self.request && stricter && new.samples >= self.pass.samples_before();
+        let passed = new.error != old.error && self.accumulation.has_converged_tiles();
+        let fits = same == self.request
+            && stricter
+            && !passed
+            && new.samples >= self.pass.samples_before();
         if fits {
             self.request.settings = new;
         }
@@ -113,7 +122,7 @@ impl Progressive {
             self.pass = pass.next();
             // A new estimate whenever all scrambles have equally many samples again.
             if self.pass.samples_before() > 0 && self.pass.samples_before().is_multiple_of(4) {
-                self.error_estimate = self.accumulation.error_estimate();
+                self.estimate();
             }
             if out_of_time() {
                 return;
@@ -121,25 +130,49 @@ impl Progressive {
         }
     }
 
-    /// Whether a target is reached: all samples, or at a power of two the error asked for.
+    /// Estimates the error, and ends the tiles that need no more samples.
+    fn estimate(&mut self) {
+        let Some((of_tiles, whole)) = self.accumulation.errors() else {
+            return;
+        };
+        self.error_estimate = Some(whole.relative());
+        let settings = &self.request.settings;
+        let may_end = settings.error > 0.0 && settings.skips.has(Skip::ConvergedTiles);
+        if may_end && is_decision(self.pass.samples_before()) {
+            self.accumulation.end_tiles(&of_tiles, |errors| {
+                errors.have_converged(&whole, settings.error)
+            });
+        }
+    }
+
+    /// Whether a target is reached (all samples, or at a power of two the error asked for) or no tile is left to draw.
     fn is_done(&self) -> bool {
         let settings = &self.request.settings;
         let samples = self.pass.samples_before();
+        let is_precise = is_decision(samples)
+            && self
+                .error_estimate
+                .is_some_and(|error| settings.error > 0.0 && error <= settings.error);
         samples >= settings.samples
-            || (samples.is_power_of_two()
-                && samples >= FEWEST_FOR_ERROR
-                && self
-                    .error_estimate
-                    .is_some_and(|error| settings.error > 0.0 && error <= settings.error))
+            || is_precise
+            || !self.accumulation.tiles.iter().any(Tile::is_drawn)
     }
 
     /// Where the picture stands.
     pub fn progress(&self) -> Progress {
         Progress {
-            samples: self.pass.samples_before(),
+            samples: self.samples(),
             error_estimate: self.error_estimate,
             done: self.is_done(),
         }
+    }
+
+    /// Samples of the pixels that are drawn, or that would be if there were any.
+    fn samples(&self) -> u32 {
+        if self.accumulation.is_background() {
+            return self.request.settings.samples;
+        }
+        self.pass.samples_before()
     }
 
     /// The mean so far.
@@ -151,6 +184,7 @@ impl Progressive {
     pub fn counters(&self) -> Counters {
         let mut sum = Counters::default();
         if self.request.settings.counters {
+            sum += self.accumulation.left_out(self.samples());
             for tile in &self.accumulation.tiles {
                 sum += tile.counters;
             }

@@ -18,7 +18,8 @@ pub enum Skip {
     ConvergedTiles,
     /// The rest of a shadow ray that hardly any light comes through. Unbiased, or below 10⁻⁴ of the light.
     OpaqueRays,
-    /// The far side of a ground weave without gaps, and ground yarns above or below the ray. Exact.
+    /// What lies behind a ground weave without gaps, and ground yarns that pile hides or the ray passes above or below.
+    /// Exact.
     HiddenGround,
     /// What this scene's shading does not use: code is specialised for what is used. Exact.
     UnusedShading,

@@ -33,6 +33,10 @@ struct Script {
     texture_side: AtomicU32,
     /// GPUs cannot be made.
     has_no_adapter: bool,
+    /// GPUs are not ready to draw, and the processor gets no further than a first sample.
+    compiles: AtomicBool,
+    /// Slices that GPUs and the processor drew.
+    drew: [AtomicU32; 2],
 }
 
 impl Script {
@@ -97,12 +101,26 @@ impl Backend for Scripted {
 
     fn advance(&mut self, slice: Duration, stop: &AtomicBool) -> Result<Progress, RenderError> {
         self.count();
+        let compiles = self.script.compiles.load(Ordering::SeqCst);
+        assert!(!(compiles && self.on_gpu), "it has nothing to draw with");
+        self.script.drew[usize::from(!self.on_gpu)].fetch_add(1, Ordering::SeqCst);
+        if compiles {
+            std::thread::sleep(Duration::from_millis(2));
+            return Ok(Progress {
+                samples: 1,
+                ..Progress::default()
+            });
+        }
         let act = self.script.acts.lock().unwrap().pop_front();
         match act.filter(|_| self.on_gpu) {
             Some(Act::Lose) => Err(RenderError::Lost("the driver was reset".into())),
             Some(Act::Panic) => panic!("index out of bounds"),
             None => self.flat.advance(slice, stop),
         }
+    }
+
+    fn is_ready(&mut self) -> Result<bool, RenderError> {
+        Ok(!(self.on_gpu && self.script.compiles.load(Ordering::SeqCst)))
     }
 
     fn picture(&mut self) -> Result<Picture, RenderError> {
@@ -192,6 +210,36 @@ fn a_lost_gpu_is_started_again_once_then_the_processor_takes_over() {
     assert_eq!(script.made(), [3, 1]);
     harness.run_steps(2);
     assert!(!is_said(&harness, "Rendered by the processor"));
+}
+
+#[test]
+fn the_processor_draws_while_the_gpu_compiles() {
+    let script = Arc::new(Script::default());
+    script.compiles.store(true, Ordering::SeqCst);
+    let mut harness = scripted(&script);
+    let is_seen = |harness: &Harness<'_, App>| {
+        let shown = harness.state().viewport().shown();
+        shown.image.is_some() && !shown.is_unseen
+    };
+    wait(&mut harness, "the processor's picture", is_seen);
+    let drew = || [0, 1].map(|which| script.drew[which].load(Ordering::SeqCst));
+    assert_eq!((script.made(), drew()[0]), ([1, 1], 0));
+    // An edit does not wait either.
+    type_number(&mut harness, "Warps", "60");
+    let version = harness.state().viewport().shown().version;
+    wait(&mut harness, "the edited picture", |h| {
+        h.state().viewport().shown().version > version && is_seen(h)
+    });
+    assert_eq!(drew()[0], 0);
+    script.compiles.store(false, Ordering::SeqCst);
+    wait(&mut harness, "the GPU's picture", has_whole_picture);
+    // The picture was there all the time: nothing is told of the change.
+    assert!(drew()[0] > 0 && script.made() == [1, 1]);
+    let by_processor = drew()[1];
+    type_number(&mut harness, "Warps", "50");
+    wait(&mut harness, "the next picture", has_whole_picture);
+    harness.run_steps(2);
+    assert_eq!(drew()[1], by_processor);
 }
 
 #[test]

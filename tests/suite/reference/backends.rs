@@ -252,7 +252,8 @@ fn the_error_estimate_is_the_spread_of_four_scrambles() {
         .map(|&c| f64::from(c))
         .sum();
     let mean = sum / f64::from(3 * size[0] * size[1]);
-    let estimate = accumulation.error_estimate().expect("enough samples");
+    let (_, whole) = accumulation.errors().expect("enough samples");
+    let estimate = whole.relative();
     let expected = (5.0_f64 / 12.0 * (1.0 + 4.0 + 1.0) / 3.0).sqrt() / mean;
     // Pictures are f32.
     assert!(
@@ -263,7 +264,7 @@ fn the_error_estimate_is_the_spread_of_four_scrambles() {
     assert_eq!(picture.pixels[16][0], 2.3);
 
     let mut young = Accumulation::new([3, 3], false);
-    assert_eq!(young.error_estimate(), None);
+    assert!(young.errors().is_none());
     let black = Sample {
         radiance: DVec3::ZERO,
         first: None,
@@ -272,7 +273,8 @@ fn the_error_estimate_is_the_spread_of_four_scrambles() {
     while !young.tiles[0].has_finished(fourth) {
         young.tiles[0].draw_row(|_, _| black);
     }
-    assert_eq!(young.error_estimate(), Some(0.0));
+    let (_, whole) = young.errors().expect("enough samples");
+    assert_eq!(whole.relative(), 0.0);
 }
 
 #[test]

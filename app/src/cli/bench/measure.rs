@@ -75,6 +75,8 @@ pub struct Findings {
     pub rows: Vec<Row>,
     /// For each setting.
     pub characters: Vec<Character>,
+    /// Time of a sample if nothing were traced, on a GPU.
+    pub bare: Option<Duration>,
 }
 
 /// A preset to measure.
@@ -235,6 +237,8 @@ pub fn measure(
         let counters = counters.map(|(_, counters)| *counters);
         characters.push(character(counters, turns, &truth)?);
     }
+    backend.begin(&subject.request(&target.settings[0], 0)?)?;
+    let bare = backend.bare_sample()?;
     let turns = turns.iter().enumerate();
     let rows = turns.flat_map(|(index, turns)| rows(index, turns, truth.noise));
     Ok(Findings {
@@ -242,6 +246,7 @@ pub fn measure(
         target,
         truth,
         characters,
+        bare,
     })
 }
 

@@ -184,6 +184,22 @@ fn costs(conditions: &Conditions, findings: &Findings) -> String {
         ratio(|cost| cost.patch_tests),
         ratio(|cost| cost.volume_samples),
     );
+    if let Some(bare) = findings.bare {
+        let times: Vec<String> = costs
+            .iter()
+            .map(|cost| {
+                let times = cost.seconds / bare.as_secs_f64().max(1e-9);
+                format!("{} {times:.0}", cost.method.name())
+            })
+            .collect();
+        let _ = writeln!(
+            text,
+            "\nA dispatch of the same size that makes rays and writes sums, and traces nothing, takes {:.3} ms a sample. A sample \
+             takes so many times that: {}.",
+            bare.as_secs_f64() * 1e3,
+            times.join(", "),
+        );
+    }
     text
 }
 

@@ -28,6 +28,8 @@ pub struct Job {
     /// Width and height of the picture in work are those of the request divided by this.
     divisor: u32,
     samples: u32,
+    /// Pictures of fewer samples are not published: one with so many is seen already.
+    seen: u32,
     /// Seconds on the picture of the present divisor.
     rung_seconds: f64,
     published: Instant,
@@ -45,6 +47,7 @@ impl Job {
             seconds: 0.0,
             divisor,
             samples: 0,
+            seen: 0,
             rung_seconds: 0.0,
             published: Instant::now(),
             publishing_took: Duration::ZERO,
@@ -95,7 +98,11 @@ impl Job {
         let samples = f64::from(progress.samples.max(1));
         let cost = self.rung_seconds / (f64::from(width) * f64::from(height) * samples);
         let is_due = self.published.elapsed() > (4 * self.publishing_took).max(PUBLISHING);
-        (Some(cost), progress.done || is_first || is_due)
+        let is_news = progress.samples >= self.seen;
+        (
+            Some(cost),
+            progress.done || (is_news && (is_first || is_due)),
+        )
     }
 
     /// Notes that the picture was published, which took so long.
@@ -110,14 +117,21 @@ impl Job {
             return false;
         }
         self.divisor /= 2;
-        self.samples = 0;
+        (self.samples, self.seen) = (0, 0);
         self.rung_seconds = 0.0;
         true
     }
 
-    /// Whether the picture in work has no sample yet.
+    /// Notes that another backend starts on the picture in work.
+    pub fn start_again(&mut self) {
+        self.seen = self.seen.max(self.samples);
+        self.samples = 0;
+        self.rung_seconds = 0.0;
+    }
+
+    /// Whether the picture in work has no sample yet, nor has one been seen.
     pub fn is_new(&self) -> bool {
-        self.samples == 0
+        self.samples == 0 && self.seen == 0
     }
 
     /// Whether the picture in work is a small one.

@@ -49,6 +49,8 @@ pub struct Worker<'a> {
     make: MakeRenderer,
     repaint: &'a egui::Context,
     renderer: Option<(BackendChoice, Renderer)>,
+    /// The processor, which draws while the renderer is not ready: the same picture, so that nobody sees the change.
+    stand_in: Option<Renderer>,
     fallback: Fallback,
     wish: Option<Wish>,
     compiler: Compiler,
@@ -72,6 +74,7 @@ impl<'a> Worker<'a> {
             make,
             repaint,
             renderer: None,
+            stand_in: None,
             fallback: Fallback::default(),
             wish: None,
             compiler: Compiler::default(),
@@ -120,6 +123,7 @@ impl<'a> Worker<'a> {
             Failure::Render(error) => {
                 // What remains of a failed device is of no use.
                 let renderer = self.renderer.take();
+                self.stand_in = None;
                 let kind = renderer.map(|(_, mut renderer)| renderer.backend().kind());
                 let larger_side = self.job.take().map_or(0, |job| {
                     let [width, height] = job.request.size;
@@ -153,6 +157,7 @@ impl<'a> Worker<'a> {
         let scene = self.scene_of(&wish.design)?;
         if self.fallback.choose(wish.choice, wish.attempt) {
             self.renderer = None;
+            self.stand_in = None;
         }
         let choice = wish.choice.for_method(wish.design.quality.method);
         let largest_side = self.choose_backend(self.fallback.effective(choice))?;
@@ -225,6 +230,7 @@ impl<'a> Worker<'a> {
         }
         // The old one goes first: two of them may be more than the device's memory holds.
         self.renderer = None;
+        self.stand_in = None;
         self.job = None;
         self.cost = None;
         let mut renderer = (self.make)(choice)?;
@@ -236,14 +242,25 @@ impl<'a> Worker<'a> {
         Ok(largest_side)
     }
 
-    /// Hands the job's picture, at its present size, to the backend.
+    /// Hands the job's picture, at its present size, to the backend, and to the processor as well while that is not ready
+    /// for it.
     fn begin(&mut self) -> Result<(), Failure> {
         let (Some(job), Some((_, renderer))) = (&mut self.job, &mut self.renderer) else {
             return Ok(());
         };
         let (request, is_new) = (job.in_work(), job.is_new());
         let backend = renderer.backend();
-        workers::with_all(|| backend.begin(&request))?;
+        workers::with_all(|| backend.begin_soon(&request))?;
+        if backend.is_ready()? {
+            self.stand_in = None;
+        } else {
+            let stand_in = match self.stand_in.take() {
+                Some(stand_in) => stand_in,
+                None => (self.make)(BackendChoice::Cpu)?,
+            };
+            let drawing = self.stand_in.insert(stand_in).backend();
+            workers::with_all(|| drawing.begin(&request))?;
+        }
         let bytes = backend.device_bytes();
         self.publish(|shown| {
             shown.activity = Activity::Rendering;
@@ -260,10 +277,17 @@ impl<'a> Worker<'a> {
         let (Some(job), Some((_, renderer))) = (&mut self.job, &mut self.renderer) else {
             return Ok(());
         };
+        if self.stand_in.is_some() && renderer.backend().is_ready()? {
+            job.start_again();
+            return self.begin();
+        }
         let start = Instant::now();
-        let progress = advance(renderer, &self.shared.cancel)?;
+        let drawing = self.stand_in.as_mut().unwrap_or(renderer);
+        let progress = advance(drawing, &self.shared.cancel)?;
         let (cost, is_due) = job.note(progress, start.elapsed().as_secs_f64());
-        self.cost = cost.or(self.cost);
+        if self.stand_in.is_none() {
+            self.cost = cost.or(self.cost);
+        }
         if is_due {
             self.show(progress)?;
         }
@@ -292,7 +316,8 @@ impl<'a> Worker<'a> {
         let start = Instant::now();
         let (display, softness) = (wish.display, job.softness(progress.samples));
         let developer = &mut self.developer;
-        let image = workers::with_all(|| developer.shoot(renderer, display, softness))?;
+        let drawing = self.stand_in.as_mut().unwrap_or(renderer);
+        let image = workers::with_all(|| developer.shoot(drawing, display, softness))?;
         let bytes = renderer.backend().device_bytes();
         self.display = Some(display);
         job.published(start.elapsed());
@@ -318,7 +343,8 @@ impl<'a> Worker<'a> {
         let Some((_, renderer)) = &mut self.renderer else {
             return Ok(());
         };
-        let image = self.developer.again(renderer, display)?;
+        let drawing = self.stand_in.as_mut().unwrap_or(renderer);
+        let image = self.developer.again(drawing, display)?;
         self.display = Some(display);
         self.publish(|shown| {
             shown.image = image;

@@ -1,0 +1,66 @@
+//! When work on tiles and pictures ends: one rule for all backends (MODEL.md §10).
+//!
+//! Decisions fall only when all pixels that are still drawn have 2^k samples. A picture ends when its estimated error is at
+//! most the target. A tile ends before that, with [`Skip::ConvergedTiles`](super::Skip), when its own part of the error
+//! is: when the variances of its pixels' means sum up to at most (target · mean of the whole picture)² for each of its
+//! values. Were every tile like that, the picture would have the error asked for; the tiles that are not go on
+//! until the picture as a whole has it, so that samples go where the error is.
+//!
+//! Bias: whether a tile ends depends on its samples. One that has been lucky, in which light that is rare and bright has
+//! not shown itself, ends early and stays a little too dark, and its estimated error a little too small. From 16 samples
+//! on an estimate rests on four means of every pixel of a tile, some thousand numbers, which are hardly ever all
+//! lucky; the test `convergence` measures what is left.
+
+/// Fewest samples at which an error target can end anything: below, each of the four means that the error is estimated from
+/// is of less than four samples, and rare bright paths have not shown themselves.
+pub const FEWEST_FOR_ERROR: u32 = 16;
+
+/// What is known of the error of some pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PixelErrors {
+    /// Sum of the estimated variances of all channels' means.
+    pub variance: f64,
+    /// Sum of all channels' means.
+    pub sum: f64,
+    /// How many pixels these are.
+    pub pixels: u64,
+}
+
+impl std::ops::AddAssign for PixelErrors {
+    fn add_assign(&mut self, other: Self) {
+        self.variance += other.variance;
+        self.sum += other.sum;
+        self.pixels += other.pixels;
+    }
+}
+
+impl PixelErrors {
+    /// How many values there are: three channels a pixel.
+    fn values(&self) -> f64 {
+        3.0 * self.pixels as f64
+    }
+
+    fn mean(&self) -> f64 {
+        self.sum / self.values().max(1.0)
+    }
+
+    /// Estimated relRMSE (MODEL.md §11). A black picture has no relative error; its spread is 0 as well.
+    pub fn relative(&self) -> f64 {
+        if self.sum > 0.0 {
+            (self.variance / self.values()).sqrt() / self.mean()
+        } else {
+            0.0
+        }
+    }
+
+    /// Whether the error of these pixels, a part of the picture that `whole` is about, is at most what the picture's
+    /// may be.
+    pub fn have_converged(&self, whole: &Self, target: f64) -> bool {
+        self.variance <= (target * whole.mean()).powi(2) * self.values()
+    }
+}
+
+/// Whether an error target may end something at so many samples.
+pub fn is_decision(samples: u32) -> bool {
+    samples.is_power_of_two() && samples >= FEWEST_FOR_ERROR
+}

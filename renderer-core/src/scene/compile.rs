@@ -31,8 +31,8 @@ use super::skeleton::RootHeights;
 use super::turbulence::TurbulenceField;
 use super::volumes::rasterise_unless_cancelled;
 use super::{
-    Lights, LoopLook, Loops, PileOptics, Scene, Section, SeenCells, SheetGeometry, Skeleton,
-    Volumes,
+    CellSet, Lights, LoopLook, Loops, PileOptics, Scene, Section, SeenCells, SheetGeometry,
+    Skeleton, Volumes,
 };
 use crate::design::{
     Chart, Colour, Design, Fault, Filter, Length, Phase, Pile, PileKind, Turbulence, Warning,
@@ -54,16 +54,6 @@ pub enum CompileError {
         loops: u64,
         /// Most entries.
         limit: u64,
-    },
-    /// A loop reaches over too many cells.
-    #[error(
-        "pile.max_length and pile.base_width let a loop reach {cells} cells from its own; at most {limit} are allowed: use shorter or narrower pile, or smaller sheet.warps_per_cm and sheet.wefts_per_cm"
-    )]
-    TooFar {
-        /// The cells.
-        cells: i64,
-        /// Most cells.
-        limit: i64,
     },
     /// Nobody waits for the scene any more.
     #[error("given up")]
@@ -129,7 +119,7 @@ pub struct Compiler {
     lengths: Option<(LengthsInputs, CellLengths)>,
     turbulence: Option<(TurbulenceInputs, Arc<TurbulenceField>)>,
     loops: Option<(LoopsInputs, Section<Loops>)>,
-    looks: Option<((LooksInputs, Section<Loops>), Section<Vec<LoopLook>>)>,
+    looks: Option<(LooksOfLoops, Section<Vec<LoopLook>>)>,
     volumes: Option<(VolumesInputs, Section<Volumes>)>,
     report: CompileReport,
 }
@@ -142,6 +132,9 @@ pub enum SeenScene {
     /// With those loops only that reach the cells that are seen.
     Part(Arc<Scene>),
 }
+
+/// What looks follow from, and the loops that they are of.
+type LooksOfLoops = (LooksInputs, Section<Loops>);
 
 /// Everything that the turbulence follows from.
 type TurbulenceInputs = (SheetGeometry, Turbulence);
@@ -365,21 +358,19 @@ impl Compiler {
         seen: Option<&SeenCells>,
         cancel: &Cancel<'_>,
     ) -> Result<Loops, CompileError> {
-        let cells = timed(&mut self.report.seconds.lengths, || {
+        let (standing, cells) = timed(&mut self.report.seconds.lengths, || {
             let standing = inputs.standing();
-            match seen {
-                Some(seen) => standing.and(&seen.planted_in()),
-                None => standing,
-            }
+            let cells = seen.map(|seen| seen.planted_in().and(&standing));
+            (standing, cells)
         });
-        let frames = match seen {
-            Some(seen) => Frames::Seen(&cells, seen),
-            None if self.skips.has(Skip::UnplantedLoops) => Frames::Of(&cells),
-            None => Frames::All,
+        let frames = match (seen, &cells) {
+            (Some(seen), Some(cells)) => Frames::Seen(cells, seen),
+            _ if self.skips.has(Skip::UnplantedLoops) => Frames::Of(&standing),
+            _ => Frames::All,
         };
-        let turbulence = self.turbulence_of(inputs, frames, cancel)?;
+        let turbulence = self.turbulence_of(inputs, frames, &standing, cancel)?;
         let (planted, frames_made) = timed(&mut self.report.seconds.frames, || {
-            inputs.plant(&turbulence, frames, cancel)
+            inputs.plant(&turbulence, frames, &standing, cancel)
         });
         cancel.check()?;
         let sheet = &inputs.sheet;
@@ -388,16 +379,12 @@ impl Compiler {
             2 * u64::from(sheet.warps) * u64::from(sheet.wefts) - frames_made;
         let loops = planted.counts.planted;
         let built = timed(&mut self.report.seconds.grid, || {
-            grid::build(sheet, planted, cancel)
+            grid::build(sheet, &planted, cancel)
         });
         built.map_err(|error| match error {
             NoGrid::TooManyEntries => CompileError::TooManyEntries {
                 loops,
                 limit: grid::MAX_ENTRIES,
-            },
-            NoGrid::TooFar(cells) => CompileError::TooFar {
-                cells,
-                limit: grid::MOST_CELLS,
             },
             NoGrid::Cancelled => CompileError::Cancelled,
         })
@@ -408,9 +395,10 @@ impl Compiler {
         &mut self,
         inputs: &LoopsInputs,
         frames: Frames<'_>,
+        standing: &CellSet,
         cancel: &Cancel<'_>,
     ) -> Result<Arc<TurbulenceField>, CompileError> {
-        let wanted = inputs.wanted(frames);
+        let wanted = inputs.wanted(frames, standing);
         let (sheet, turbulence) = (inputs.sheet, &inputs.turbulence);
         let last = self.turbulence.take();
         let last = last.filter(|((old_sheet, old), field)| {

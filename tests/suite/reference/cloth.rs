@@ -11,7 +11,7 @@ use renderer_core::geometry::{BilinearPatch, LoopFrame, Ray, orthonormal_basis};
 use renderer_core::reference::Tracer;
 use renderer_core::render::{Camera, RenderRequest, Settings, Skips};
 use renderer_core::sampling::{self, Pcg, Set};
-use renderer_core::scene::{Scene, Section, SunLight, Volumes, compile};
+use renderer_core::scene::{Loops, Scene, Section, SunLight, Volumes, compile};
 
 /// A towel of fat, twisted, overlapping loops on both faces, small enough for brute force.
 pub fn wild_towel(interpolation: Interpolation) -> Scene {
@@ -59,6 +59,10 @@ pub fn blocks(layers: u32, warps: u32, warps_per_cm: f64) -> Scene {
     design.light.environment.radiance = 0.0;
     let mut scene = compile(&design).expect("a valid design");
     make_uniform(&mut scene, layers);
+    // The top edge is in whole units of length; a root as wide to the bit makes the block a block.
+    let mut loops = Loops::clone(&scene.loops);
+    loops.base_width_mm = 2.0 * loops.patch(0).half_top[1];
+    scene.loops = Section::new(loops);
     let mut looks = scene.looks.clone().to_vec();
     for look in &mut looks {
         look.albedo = [u16::MAX; 3];
@@ -171,7 +175,7 @@ pub struct BruteLoop {
     first_voxel: usize,
 }
 
-/// All loops of a scene, from its records by MODEL.md §4, without the grid's lists.
+/// All loops of a scene, from its records by MODEL.md §4, without the grid's lists, in the order of their shapes.
 pub fn all_loops(scene: &Scene) -> Vec<BruteLoop> {
     let loops = &scene.loops;
     let mut found = Vec::new();
@@ -204,6 +208,7 @@ pub fn all_loops(scene: &Scene) -> Vec<BruteLoop> {
         }
     }
     assert_eq!(found.len(), loops.shapes.len());
+    found.sort_by_key(|found| found.index);
     found
 }
 

@@ -9,20 +9,21 @@ mod planting;
 
 use super::skeleton::Face;
 use super::{BlockEntry, EntryLayout, LoopPatch, Loops, SheetGeometry};
+use crate::design::Sheet;
 
 pub(super) use binning::{MAX_ENTRIES, build};
-pub(super) use planting::Planted;
+pub(super) use planting::{Planted, WholePile};
 
-/// Farthest that a loop may reach, cells: as far as entries can point in a grid of the largest blocks.
-pub(super) const MOST_CELLS: i64 = EntryLayout::FARTHEST * 4;
+/// Cells along each side of a block: what a grid may have.
+const BLOCK_SIZES: &[u32] = &[1, 2, 4];
+// Loops that reach farther are refused with the design; entries in a grid of the largest blocks can point as far as that.
+const _: () = assert!(Sheet::MAX_REACH_CELLS <= (EntryLayout::FARTHEST * 4) as f64);
 
 /// Why there is no grid.
 #[derive(Debug)]
 pub(super) enum NoGrid {
     /// The lists would be longer than [`MAX_ENTRIES`].
     TooManyEntries,
-    /// A loop reaches this many cells, more than [`MOST_CELLS`].
-    TooFar(i64),
     /// It was given up.
     Cancelled,
 }

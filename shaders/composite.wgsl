@@ -1,6 +1,6 @@
-// `single` and `layered` along a ray: the events of all loops, composited front to back, cell by cell.
+// `single` and `layered` along a ray: the events of all loops, composited front to back, block by block.
 
-// An event counts only in the cell that holds it, so none is found twice.
+// An event counts only in the block that holds it, so none is found twice.
 fn event_is_in(ray: Ray, t: f32, t_from: f32, t_to: f32) -> bool {
     let ahead = max(t, ray.t_start);
     return ahead >= t_from && ahead < t_to;
@@ -50,11 +50,11 @@ fn second_event(roots: Roots, index: u32, layer: u32) -> Event {
     return Event(roots.second.z, roots.second.x, roots.second.y, gap, index, layer);
 }
 
-// The nearest events of a cell from `t_from` to `t_to` that come after another.
-fn nearest_events(ray: Ray, cell: Cell, t_from: f32, t_to: f32, after: Event) -> Nearest {
+// The nearest events of a block from `t_from` to `t_to` that come after another.
+fn nearest_events(ray: Ray, block: Block, t_from: f32, t_to: f32, after: Event) -> Nearest {
     var nearest = no_events();
-    for (var i = next_met(cell, cell.entries_start); i < cell.entries_end; i = next_met(cell, i + 1u)) {
-        let listed = open_entry(cell, i);
+    for (var i = next_met(block, block.entries_start); i < block.entries_end; i = next_met(block, i + 1u)) {
+        let listed = open_entry(block, i);
         let shape = load_patch(listed.index);
         let origin = origin_in_cell(ray, listed.cell);
         for (var layer = 0u; layer < solves(); layer++) {
@@ -92,7 +92,7 @@ fn pile_scatter(ray: Ray, hit: Gathered, index: u32) -> Scatter {
 // The first event at which the transmittance falls below `threshold` in (0, 1]: an event is chosen with probability
 // T·α, so its weight is 1 and the walk ends there.
 fn composite_first(ray: Ray, threshold: f32) -> Scatter {
-    // Step 5: the skeleton is opaque; loops of the far side are met in cells behind its gaps. It is looked for once the ray
+    // Step 5: the skeleton is opaque; loops of the far side are met in blocks behind its gaps. It is looked for once the ray
     // is about to reach it: most are taken by pile above it.
     let ground_from = ground_search_start(ray);
     var ground = no_yarn();
@@ -103,7 +103,7 @@ fn composite_first(ray: Ray, threshold: f32) -> Scatter {
     var chosen: Gathered;
     var chosen_index = 0u;
     let limit = walk_limit();
-    // One step more than there are cells, for the ground of rays that leave the loops before they reach it.
+    // One step more than there are blocks, for the ground of rays that leave the loops before they reach it.
     for (var n = 0u; n <= limit; n++) {
         if !ground_known && (!walk_goes_on(walk) || walk.t_exit > ground_from) {
             ground = ground_along(ray, FAR);
@@ -116,11 +116,11 @@ fn composite_first(ray: Ray, threshold: f32) -> Scatter {
         if COUNTERS {
             count_cells += 1u;
         }
-        let cell = open_cell(ray, walk.cell, walk.t_enter, walk.t_exit);
+        let block = open_block(ray, walk.place, walk.t_enter, walk.t_exit, met_part());
         var after = event_at_infinity(-FAR);
-        var scans = select(0u, MAX_SCANS, cell.entries_start < cell.entries_end);
+        var scans = select(0u, MAX_SCANS, block.entries_start < block.entries_end);
         for (; scans > 0u; scans--) {
-            var nearest = nearest_events(ray, cell, walk.t_enter, walk.t_exit, after);
+            var nearest = nearest_events(ray, block, walk.t_enter, walk.t_exit, after);
             for (var i = 0u; i < NEAREST && nearest.a.t < FAR && depth <= depth_to; i++) {
                 let shape = load_patch(nearest.a.index);
                 chosen = gathered(nearest.a, shape, patch_normal(shape), load_yarn(nearest.a.index), ray);
@@ -159,10 +159,10 @@ fn walk_cut(walk: ptr<function, Walk>, t_to: f32) {
 // Below this a shadow ray counts as blocked.
 const BLOCKED: f32 = 1.0e-4;
 
-// A search for crossings along a ray, in whatever order they come within a cell.
+// A search for crossings along a ray, in whatever order they come within a block.
 struct Search {
     walk: Walk,
-    cell: Cell,
+    block: Block,
     // The next solve to make.
     entry: u32,
     layer: u32,
@@ -182,18 +182,18 @@ fn enter(ray: Ray, walk: Walk) -> Search {
     if COUNTERS {
         count_cells += 1u;
     }
-    let cell = open_cell(ray, walk.cell, walk.t_enter, walk.t_exit);
-    return Search(walk, cell, next_met(cell, cell.entries_start), 0u);
+    let block = open_block(ray, walk.place, walk.t_enter, walk.t_exit, met_part());
+    return Search(walk, block, next_met(block, block.entries_start), 0u);
 }
 
-// Goes on to the next solve that has a root in its cell's part of the ray. A loop of its own over cells, entries and
+// Goes on to the next solve that has a root in its block's part of the ray. A loop of its own over blocks, entries and
 // layers, so that neighbouring threads come together at the costly look into the volume.
 fn next_crossing(ray: Ray, search: ptr<function, Search>) -> Crossing {
     var crossing: Crossing;
     let limit = walk_limit();
     for (var n = 0u; n < limit && !crossing.found && walk_goes_on((*search).walk);) {
-        if (*search).entry < (*search).cell.entries_end {
-            let listed = open_entry((*search).cell, (*search).entry);
+        if (*search).entry < (*search).block.entries_end {
+            let listed = open_entry((*search).block, (*search).entry);
             crossing.index = listed.index;
             crossing.layer = (*search).layer;
             crossing.shape = load_patch(listed.index);
@@ -206,7 +206,7 @@ fn next_crossing(ray: Ray, search: ptr<function, Search>) -> Crossing {
             (*search).layer += 1u;
             if (*search).layer >= solves() {
                 (*search).layer = 0u;
-                (*search).entry = next_met((*search).cell, (*search).entry + 1u);
+                (*search).entry = next_met((*search).block, (*search).entry + 1u);
             }
         } else {
             n++;

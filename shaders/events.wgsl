@@ -1,5 +1,5 @@
-// The nearest few events of a ray in one cell, sorted, in registers: an array would live in slow memory. What does not
-// fit is found by scanning the cell again beyond the last event that was used.
+// The nearest few events of a ray in one block, sorted, in registers: an array would live in slow memory. What does not
+// fit is found by scanning the block again beyond the last event that was used.
 
 // A crossing of a loop's patch that may take light away; its opacity is computed only when its turn comes.
 struct Event {
@@ -26,7 +26,7 @@ struct Nearest {
     offered: u32,
 }
 const NEAREST: u32 = 4u;
-// Scans of one cell; with NEAREST events each, more than loops of 64 layers crowded into a cell can make visible.
+// Scans of one block; with NEAREST events each, more than loops of 64 layers crowded into a block can make visible.
 const MAX_SCANS: u32 = 256u;
 
 fn event_at_infinity(t: f32) -> Event {

@@ -1,8 +1,8 @@
 // Method `exact` (MODEL.md §4, §8, §9): a ray's whole way through all loops, their densities summed where they overlap.
 //
-// A ray's part in a cell is cut where it enters or leaves a loop, at each of its texels' centre lines and layer lines, and
+// A ray's part in a block is cut where it enters or leaves a loop, at each of its texels' centre lines and layer lines, and
 // into pieces of at most `slice.step`; a piece is uniform, as it is in its middle. Nothing is kept in arrays: the next cut
-// is searched among the loops that the ray meets in the cell, and the ones that it is inside of are bits of a mask.
+// is searched among the loops that the ray meets in the block, and the ones that it is inside of are bits of a mask.
 
 // A loop as a line sees it. Projected along n̂ a point has coordinates p = u′(1 + αv′), q = v′(1 + βu′) in the basis
 // (b, c), u′ = u − ½, v′ = v − ½; p, q and the height z over their plane are linear along the line, and
@@ -195,7 +195,7 @@ fn onward_from(line: LoopLine, t: f32) -> Onward {
     return Onward(min(end, next_line(line, t)), true);
 }
 
-// Which entries of a cell's list: bit k stands for entry k, and in longer lists also for k + 128, k + 256 and so on.
+// Which entries of a block's list: bit k stands for entry k, and in longer lists also for k + 128, k + 256 and so on.
 const MASKED: u32 = 128u;
 
 fn with_bit(mask: vec4<u32>, entry: u32) -> vec4<u32> {
@@ -222,21 +222,21 @@ fn next_bit(mask: vec4<u32>, start: u32, end: u32) -> u32 {
     return end;
 }
 
-// The loops that a ray may meet in its part of a cell.
-fn met_in(ray: Ray, cell: Cell, t_from: f32, t_to: f32) -> vec4<u32> {
+// The loops that a ray may meet in its part of a block.
+fn met_in(ray: Ray, block: Block, t_from: f32, t_to: f32) -> vec4<u32> {
     var met = vec4<u32>();
-    for (var i = next_met(cell, cell.entries_start); i < cell.entries_end; i = next_met(cell, i + 1u)) {
+    for (var i = next_met(block, block.entries_start); i < block.entries_end; i = next_met(block, i + 1u)) {
         if COUNTERS {
             count_patch_tests += 1u;
         }
-        let line = loop_line(ray, open_entry(cell, i));
+        let line = loop_line(ray, open_entry(block, i));
         let sides = between_sides(line);
         let reach = 0.5 * scene.thickness + 0.25 * abs(line.lift);
         let heights = clip_band(vec2<f32>(-FAR, FAR), line.value.z, line.slope.z, reach);
         let low = max(max(sides.x, heights.x + line.t_near), t_from);
         let high = min(min(sides.y, heights.y + line.t_near), t_to);
         if low < high {
-            met = with_bit(met, i - cell.entries_start);
+            met = with_bit(met, i - block.entries_start);
         }
     }
     return met;
@@ -252,12 +252,12 @@ struct Held {
     at: vec3<f32>,
 }
 
-fn held_by(ray: Ray, cell: Cell, entry: u32, t: f32) -> Held {
-    let listed = open_entry(cell, cell.entries_start + entry);
+fn held_by(ray: Ray, block: Block, entry: u32, t: f32) -> Held {
+    let listed = open_entry(block, block.entries_start + entry);
     let at = place_on(loop_line(ray, listed), t);
     // In a list so long that bits are shared, this may be a loop that the ray is not inside of.
     let outside = any(abs(at - vec3<f32>(0.5, 0.5, 0.0)) > vec3<f32>(0.5));
-    if cell.entries_end - cell.entries_start > MASKED && outside {
+    if block.entries_end - block.entries_start > MASKED && outside {
         return Held(listed.index, 0.0, 0.0, 0.0, at);
     }
     let yarn = load_yarn(listed.index);
@@ -266,12 +266,12 @@ fn held_by(ray: Ray, cell: Cell, entry: u32, t: f32) -> Held {
 }
 
 // σ where a ray is inside of the loops of a mask; and the sum of the loops' own, which crowding lowers to σ.
-fn extinction_at(ray: Ray, cell: Cell, inside: vec4<u32>, t: f32) -> vec2<f32> {
-    let count = cell.entries_end - cell.entries_start;
+fn extinction_at(ray: Ray, block: Block, inside: vec4<u32>, t: f32) -> vec2<f32> {
+    let count = block.entries_end - block.entries_start;
     var sum = 0.0;
     var rho = 0.0;
     for (var i = next_bit(inside, 0u, count); i < count; i = next_bit(inside, i + 1u, count)) {
-        let held = held_by(ray, cell, i, t);
+        let held = held_by(ray, block, i, t);
         sum += held.extinction;
         rho += held.rho;
     }
@@ -289,7 +289,7 @@ struct Marched {
     // σ, and the sum of the loops' own.
     extinction: f32,
     sum: f32,
-    cell: Cell,
+    block: Block,
     inside: vec4<u32>,
     // The ground yarn at which it ended, if it was looked for.
     ground: YarnHit,
@@ -307,7 +307,7 @@ fn march(ray: Ray, depth_to: f32, ground_from: f32, ends_with_ground: bool) -> M
     var walk = walk_begin(ray, scene.z_range, FAR);
     let limit = walk_limit();
     var cuts = 0u;
-    // One step more than there are cells, for the ground of rays that leave the loops before they reach it.
+    // One step more than there are blocks, for the ground of rays that leave the loops before they reach it.
     for (var n = 0u; n <= limit && !marched.fell; n++) {
         if !marched.ground_known && (!walk_goes_on(walk) || walk.t_exit > ground_from) {
             marched.ground = ground_along(ray, FAR);
@@ -323,17 +323,17 @@ fn march(ray: Ray, depth_to: f32, ground_from: f32, ends_with_ground: bool) -> M
         if COUNTERS {
             count_cells += 1u;
         }
-        let cell = open_cell(ray, walk.cell, walk.t_enter, walk.t_exit);
-        let count = cell.entries_end - cell.entries_start;
-        let met = met_in(ray, cell, walk.t_enter, walk.t_exit);
-        marched.cell = cell;
+        let block = open_block(ray, walk.place, walk.t_enter, walk.t_exit, MEET_VOLUME);
+        let count = block.entries_end - block.entries_start;
+        let met = met_in(ray, block, walk.t_enter, walk.t_exit);
+        marched.block = block;
         var t = select(walk.t_exit, walk.t_enter, any(met != vec4<u32>()));
         while t < walk.t_exit && cuts < MAX_CUTS && !marched.fell {
             cuts++;
             var cut = walk.t_exit;
             var inside = vec4<u32>();
             for (var i = next_bit(met, 0u, count); i < count; i = next_bit(met, i + 1u, count)) {
-                let onward = onward_from(loop_line(ray, open_entry(cell, cell.entries_start + i)), t);
+                let onward = onward_from(loop_line(ray, open_entry(block, block.entries_start + i)), t);
                 cut = min(cut, onward.cut);
                 if onward.inside {
                     inside = with_bit(inside, i);
@@ -343,7 +343,7 @@ fn march(ray: Ray, depth_to: f32, ground_from: f32, ends_with_ground: bool) -> M
             let piece = (cut - t) / max(pieces, 1.0);
             for (var k = 0.0; k < pieces; k += 1.0) {
                 let middle = t + (k + 0.5) * piece;
-                let extinction = extinction_at(ray, cell, inside, middle);
+                let extinction = extinction_at(ray, block, inside, middle);
                 if COUNTERS && extinction.x > 0.0 {
                     count_contributing_hits += 1u;
                 }
@@ -380,12 +380,12 @@ fn exact_first(ray: Ray, threshold: f32, choice: f32) -> Scatter {
     if COUNTERS && !marched.ground_known {
         count_hidden_rays += 1u;
     }
-    let cell = marched.cell;
-    let count = cell.entries_end - cell.entries_start;
+    let block = marched.block;
+    let count = block.entries_end - block.entries_start;
     var rest = choice * marched.sum;
     var chosen: Held;
     for (var i = next_bit(marched.inside, 0u, count); i < count && rest >= 0.0; i = next_bit(marched.inside, i + 1u, count)) {
-        let held = held_by(ray, cell, i, marched.middle);
+        let held = held_by(ray, block, i, marched.middle);
         if held.extinction > 0.0 {
             chosen = held;
             rest -= held.extinction;

@@ -18,14 +18,25 @@ struct Patch {
     half_top: vec3<f32>,
 }
 
+// Two i16 in the unit of the loops' shapes.
+fn lengths(pair: u32) -> vec2<f32> {
+    let word = bitcast<i32>(pair);
+    return vec2<f32>(vec2<i32>(extractBits(word, 0u, 16u), word >> 16u)) * scene.length_unit;
+}
+
 fn load_patch(index: u32) -> Patch {
-    let a = loop_shapes[2u * index];
-    let b = loop_shapes[2u * index + 1u];
+    let shape = loop_shapes[index];
+    let axis_xy = lengths(shape.x);
+    let axis_z_root_z0 = lengths(shape.y);
+    let half_top_xy = lengths(shape.z);
+    let half_top_z_root_z1 = lengths(shape.w);
+    let root_z0 = axis_z_root_z0.y;
+    let root_z1 = half_top_z_root_z1.y;
     return Patch(
-        vec3<f32>(0.0, 0.0, 0.5 * (a.w + b.w)),
-        vec3<f32>(0.0, scene.half_base_width, 0.5 * (b.w - a.w)),
-        a.xyz,
-        b.xyz,
+        vec3<f32>(0.0, 0.0, 0.5 * (root_z0 + root_z1)),
+        vec3<f32>(0.0, scene.half_base_width, 0.5 * (root_z1 - root_z0)),
+        vec3<f32>(axis_xy, axis_z_root_z0.x),
+        vec3<f32>(half_top_xy, half_top_z_root_z1.x),
     );
 }
 

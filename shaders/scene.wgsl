@@ -31,29 +31,40 @@ struct SceneConstants {
     z_range: vec2<f32>,
     // Cells along x and y, without the margin.
     sheet: vec2<i32>,
-    // Cells of margin around the sheet along x and y.
+    // Blocks of the grid along x and y, and how many of them lie before block 0, which begins with cell 0.
+    blocks: vec2<i32>,
     margin: vec2<i32>,
     // Half the width of all patches at their roots, w₀/2.
     half_base_width: f32,
     // h: thickness of all patches along their normal.
     thickness: f32,
-    // Unit of the cells' height ranges.
+    // Unit of the blocks' height ranges.
     height_unit: f32,
+    // How far loops of one face reach to the other side of the sheet's plane at most.
+    dip: f32,
+    // Unit of the loops' shapes.
+    length_unit: f32,
+    // A block is 1 << block_shift cells wide and deep.
+    block_shift: u32,
+    // Where parts of an entry begin, and how many bits each of its heights has: see scene/loops.rs.
+    place_shift: u32,
+    quadrants_shift: u32,
+    heights_shift: u32,
+    height_bits: u32,
     // Share of the loop from its root over which its density fades in.
     root_blend: f32,
-    // Size of the loop that the volumes were made for, along u, v, w; w unused.
-    reference_size: vec4<f32>,
     // Voxels along u and v.
     resolution: f32,
     // 1 / number of slices of the voxel texture.
     per_slice: f32,
     // Volumes of each kind of pile.
     variants: u32,
+    // Size of the loop that the volumes were made for, along u, v, w; w unused.
+    reference_size: vec4<f32>,
     // Highest density of any material, 1/mm.
     max_density: f32,
     // H: how far ground yarns rise and sink.
     crimp: f32,
-    unused: f32,
     // Radii of warps and wefts.
     yarn_radius: vec2<f32>,
     // How many yarns away warps and wefts reach into a cell; 0 unless they are thicker than their pitch.
@@ -82,13 +93,13 @@ struct SceneConstants {
 }
 
 @group(0) @binding(0) var<uniform> scene: SceneConstants;
-// Two vec4 a loop: axis and root_z0, half_top and root_z1.
-@group(0) @binding(1) var<storage, read> loop_shapes: array<vec4<f32>>;
+// Eight i16 a loop: axis and root_z0, half_top and root_z1, in units of length_unit.
+@group(0) @binding(1) var<storage, read> loop_shapes: array<vec4<u32>>;
 // One vec2 a loop: red and green, blue and variant and material.
 @group(0) @binding(2) var<storage, read> loop_looks: array<vec2<u32>>;
-// entries_start, entries_count, first_loop, z_range.
-@group(0) @binding(3) var<storage, read> cell_headers: array<vec4<u32>>;
-@group(0) @binding(4) var<storage, read> cell_entries: array<u32>;
+// entries_start, first_loop, planted, z_range.
+@group(0) @binding(3) var<storage, read> block_headers: array<vec4<u32>>;
+@group(0) @binding(4) var<storage, read> block_entries: array<u32>;
 // For each cell of the stitch repeat: which yarn is over here and at its four neighbours, see skeleton.wgsl.
 @group(0) @binding(5) var<storage, read> stitches: array<u32>;
 // N_p(θ_v) of kajiya_kay at HIGHLIGHT_INTERVALS + 1 angles from 0 to π/2, a row for each exponent in use.

@@ -269,13 +269,11 @@ fn ground_along(ray: Ray, t_to: f32) -> YarnHit {
         return hit;
     }
     let highest = ground_height();
-    var walk = walk_begin(ray, vec2<f32>(-highest, highest), t_to);
+    var walk = walk_cells_begin(ray, vec2<f32>(-highest, highest), t_to);
     let limit = walk_limit();
     for (var n = 0u; n < limit && walk_goes_on(walk) && hit.t >= FAR; n++) {
-        if all(walk.cell >= vec2<i32>(0)) && all(walk.cell < scene.sheet) {
-            let range = vec2<f32>(walk.t_enter, walk.t_exit);
-            hit = skeleton_hit(walk.cell, origin_in_cell(ray, walk.cell), ray.direction, range);
-        }
+        let range = vec2<f32>(walk.t_enter, walk.t_exit);
+        hit = skeleton_hit(walk.place, origin_in_cell(ray, walk.place), ray.direction, range);
         walk_step(ray, &walk);
     }
     return hit;

@@ -1,7 +1,7 @@
 // Method `tracked` (MODEL.md §9): delta tracking (Woodcock 1965) through the summed densities of overlapping loops,
-// and ratio tracking (Novák et al. 2014) for shadow rays. Unbiased; each cell has its own majorant.
+// and ratio tracking (Novák et al. 2014) for shadow rays. Unbiased; each block has its own majorant.
 
-// Densities at a point, summed over the loops of a cell.
+// Densities at a point, summed over the loops of a block.
 struct Overlap {
     // Σ density_k·ρ_k · min(1, 1.5/Σρ_k), 1/mm.
     extinction: f32,
@@ -16,32 +16,32 @@ const CROWDED: f32 = 1.5;
 // A mean free path below 1/256 mm cannot be told from a surface; denser yarn collides at once where it begins, and
 // tracking through the empty parts beside it stays affordable.
 const MAX_MAJORANT: f32 = 256.0;
-// Collisions, real or null, of one ray. At MAX_MAJORANT this is a path of 250 mm through cells that list loops.
+// Collisions, real or null, of one ray. At MAX_MAJORANT this is a path of 250 mm through blocks that list loops.
 const MAX_COLLISIONS: u32 = 65536u;
 
 // A loop that holds a point.
 struct Holder {
-    // Place in the cell's list; its end where there is none.
+    // Place in the block's list; its end where there is none.
     entry: u32,
     index: u32,
     // The point in the loop.
     at: vec3<f32>,
 }
 
-// The first loop from `start` on in a cell's list that holds the point. A loop of its own, like next_met.
-fn next_holder(cell: Cell, start: u32, point: vec3<f32>) -> Holder {
+// The first loop from `start` on in a block's list that holds the point. A loop of its own, like next_met.
+fn next_holder(block: Block, start: u32, point: vec3<f32>) -> Holder {
     var holder = Holder(start, 0u, vec3<f32>());
-    for (; holder.entry < cell.entries_end; holder.entry++) {
-        holder.entry = next_met(cell, holder.entry);
-        if holder.entry >= cell.entries_end {
+    for (; holder.entry < block.entries_end; holder.entry++) {
+        holder.entry = next_met(block, holder.entry);
+        if holder.entry >= block.entries_end {
             break;
         }
         if COUNTERS {
             count_patch_tests += 1u;
         }
-        let listed = open_entry(cell, holder.entry);
+        let listed = open_entry(block, holder.entry);
         let shape = load_patch(listed.index);
-        let shift = vec2<f32>(listed.cell - cell.place) * scene.pitch;
+        let shift = vec2<f32>(listed.cell - (block.place << vec2<u32>(scene.block_shift))) * scene.pitch;
         holder.index = listed.index;
         holder.at = invert_point(shape, patch_normal(shape), vec3<f32>(point.xy - shift, point.z));
         if all(abs(holder.at - vec3<f32>(0.5, 0.5, 0.0)) <= vec3<f32>(0.5)) {
@@ -51,19 +51,16 @@ fn next_holder(cell: Cell, start: u32, point: vec3<f32>) -> Holder {
     return holder;
 }
 
-// `point` is relative to the cell.
-fn overlap_at(cell_of_ray: Cell, point: vec3<f32>, random: ptr<function, Pcg>) -> Overlap {
+// `point` is relative to the block's first cell.
+fn overlap_at(block_of_ray: Block, point: vec3<f32>, random: ptr<function, Pcg>) -> Overlap {
     var weights = 0.0;
     var rho_sum = 0.0;
     var result = Overlap(0.0, 0u, 0.0, vec3<f32>());
-    let height = (point.z - cell_of_ray.low) * 255.0 / max(cell_of_ray.high - cell_of_ray.low, 1.0e-20);
-    var cell = cell_of_ray;
-    cell.ray_low = height;
-    cell.ray_high = height;
-    var start = cell.entries_start;
+    let block = block_at_point(block_of_ray, point);
+    var start = block.entries_start;
     loop {
-        let holder = next_holder(cell, start, point);
-        if holder.entry >= cell.entries_end {
+        let holder = next_holder(block, start, point);
+        if holder.entry >= block.entries_end {
             break;
         }
         start = holder.entry + 1u;
@@ -83,41 +80,41 @@ fn overlap_at(cell_of_ray: Cell, point: vec3<f32>, random: ptr<function, Pcg>) -
     return result;
 }
 
-// No extinction in the cell is above this; 0 where it lists nothing.
-fn majorant(cell: Cell) -> f32 {
-    let listed = cell.entries_end - cell.entries_start;
+// No extinction in the block is above this; 0 where it lists nothing.
+fn majorant(block: Block) -> f32 {
+    let listed = block.entries_end - block.entries_start;
     let crowded = select(f32(listed), CROWDED, listed > 1u);
     return min(scene.max_density * crowded, MAX_MAJORANT);
 }
 
-// The part of a ray between two distances that is within the height range of a cell.
-fn within_heights(ray: Ray, cell: Cell, t_from: f32, t_to: f32) -> vec2<f32> {
+// The part of a ray between two distances that is within the height range of a block.
+fn within_heights(ray: Ray, block: Block, t_from: f32, t_to: f32) -> vec2<f32> {
     let inverse = 1.0 / select(ray.direction.z, PARALLEL, abs(ray.direction.z) < PARALLEL);
-    let a = (cell.low - ray.origin.z) * inverse;
-    let b = (cell.high - ray.origin.z) * inverse;
+    let a = (block.low - ray.origin.z) * inverse;
+    let b = (block.high - ray.origin.z) * inverse;
     return vec2<f32>(max(t_from, min(a, b)), min(t_to, max(a, b)));
 }
 
 // A ray on its way from one tentative collision to the next.
 struct Flight {
     walk: Walk,
-    cell: Cell,
-    // Tentative collisions in a millimetre of this cell.
+    block: Block,
+    // Tentative collisions in a millimetre of this block.
     rate: f32,
-    // The way that is left within this cell's heights.
+    // The way that is left within this block's heights.
     t: f32,
     t_to: f32,
 }
 
-fn enter_cell(ray: Ray, flight: ptr<function, Flight>) {
+fn enter_block(ray: Ray, flight: ptr<function, Flight>) {
     if COUNTERS {
         count_cells += 1u;
     }
     let walk = (*flight).walk;
-    let cell = open_cell(ray, walk.cell, walk.t_enter, walk.t_exit);
-    let range = within_heights(ray, cell, walk.t_enter, walk.t_exit);
-    (*flight).cell = cell;
-    (*flight).rate = majorant(cell);
+    let block = open_block(ray, walk.place, walk.t_enter, walk.t_exit, MEET_VOLUME);
+    let range = within_heights(ray, block, walk.t_enter, walk.t_exit);
+    (*flight).block = block;
+    (*flight).rate = majorant(block);
     (*flight).t = range.x;
     (*flight).t_to = max(range.x, range.y);
 }
@@ -126,12 +123,12 @@ fn take_off(ray: Ray) -> Flight {
     var flight: Flight;
     flight.walk = walk_begin(ray, scene.z_range, FAR);
     if walk_goes_on(flight.walk) {
-        enter_cell(ray, &flight);
+        enter_block(ray, &flight);
     }
     return flight;
 }
 
-// Moves on to the next tentative collision, through as many cells as it takes; false where the ray leaves the cloth. A
+// Moves on to the next tentative collision, through as many blocks as it takes; false where the ray leaves the cloth. A
 // loop of its own, so that neighbouring threads come together at the costly look into the loops.
 fn fly(ray: Ray, flight: ptr<function, Flight>, random: ptr<function, Pcg>) -> bool {
     // 1 − random is in (0, 1], so the logarithm is finite.
@@ -149,15 +146,15 @@ fn fly(ray: Ray, flight: ptr<function, Flight>, random: ptr<function, Pcg>) -> b
         walk_step(ray, &walk);
         (*flight).walk = walk;
         if walk_goes_on(walk) {
-            enter_cell(ray, flight);
+            enter_block(ray, flight);
         }
     }
     return false;
 }
 
 fn overlap_on(ray: Ray, flight: Flight, random: ptr<function, Pcg>) -> Overlap {
-    let point = origin_in_cell(ray, flight.cell.place) + flight.t * ray.direction;
-    return overlap_at(flight.cell, point, random);
+    let point = origin_in_cell(ray, flight.block.place << vec2<u32>(scene.block_shift)) + flight.t * ray.direction;
+    return overlap_at(flight.block, point, random);
 }
 
 // The next collision of a ray, or the ground yarn it meets, or nothing.

@@ -1,4 +1,4 @@
-// Walking the grid of cells along a ray (Amanatides and Woo 1987), in coordinates that do not grow with the sheet.
+// Walking the grid of blocks, or the cells of the sheet, along a ray (Amanatides and Woo 1987), in coordinates that do not grow with the sheet.
 // A boundary's distance is computed from whole cells, never summed up, so it is the same from both of its sides.
 
 // A ray from a point given relative to the centre (x, y) of a cell and to the sheet (z), mm.
@@ -11,18 +11,23 @@ struct Ray {
 }
 
 struct Walk {
-    // The cell the walk is in, and the part of the ray inside it.
-    cell: vec2<i32>,
+    // The block the walk is in (or the cell, where it goes from cell to cell), and the part of the ray inside it.
+    place: vec2<i32>,
     t_enter: f32,
     t_exit: f32,
-    // Where the ray leaves the grid's box.
+    // Where the ray leaves what is walked through.
     t_end: f32,
     // 1 / direction, bounded.
     inverse: vec2<f32>,
-    // Which way cells follow each other.
+    // Which way places follow each other.
     step: vec2<i32>,
     // Distances of the next boundaries across x and y.
     t_next: vec2<f32>,
+    // The first place, and the one behind the last.
+    first: vec2<i32>,
+    end: vec2<i32>,
+    // A place is 1 << shift cells wide and deep.
+    shift: u32,
 }
 
 // Below this a direction's component counts as 0: over any distance in a scene it moves less than f32 resolves.
@@ -49,18 +54,20 @@ fn origin_in_cell(ray: Ray, cell: vec2<i32>) -> vec3<f32> {
 }
 
 fn walk_boundaries(ray: Ray, walk: Walk) -> vec2<f32> {
-    let boundary = (vec2<f32>(walk.cell - ray.cell) + 0.5 * vec2<f32>(walk.step)) * scene.pitch;
+    let ahead = walk.place + select(vec2<i32>(0), vec2<i32>(1), walk.step > vec2<i32>(0));
+    let boundary = (vec2<f32>((ahead << vec2<u32>(walk.shift)) - ray.cell) - 0.5) * scene.pitch;
     let t = (boundary - ray.origin.xy) * walk.inverse;
     return select(t, vec2<f32>(FAR), abs(ray.direction.xy) < vec2<f32>(PARALLEL));
 }
 
-// Clips the ray to distances below `t_to` and to the part of the grid between two heights, and finds its first cell.
-fn walk_begin(ray: Ray, heights: vec2<f32>, t_to: f32) -> Walk {
+// Clips the ray to distances below `t_to`, to places from `first` to before `end`, and to what is between two heights, and
+// finds its first place.
+fn walk_over(ray: Ray, heights: vec2<f32>, t_to: f32, first: vec2<i32>, end: vec2<i32>, shift: u32) -> Walk {
     let inverse = bounded_inverse(ray.direction);
-    let first = vec2<f32>(-scene.margin - ray.cell) - 0.5;
-    let last = vec2<f32>(scene.sheet + scene.margin - ray.cell) - 0.5;
-    let low = vec3<f32>(first * scene.pitch, heights.x);
-    let high = vec3<f32>(last * scene.pitch, heights.y);
+    let first_edge = vec2<f32>((first << vec2<u32>(shift)) - ray.cell) - 0.5;
+    let last_edge = vec2<f32>((end << vec2<u32>(shift)) - ray.cell) - 0.5;
+    let low = vec3<f32>(first_edge * scene.pitch, heights.x);
+    let high = vec3<f32>(last_edge * scene.pitch, heights.y);
     let a = (low - ray.origin) * inverse;
     let b = (high - ray.origin) * inverse;
     let near = min(a, b);
@@ -68,19 +75,32 @@ fn walk_begin(ray: Ray, heights: vec2<f32>, t_to: f32) -> Walk {
     let t_enter = max(max(near.x, near.y), max(near.z, ray.t_start));
     let t_end = min(min(far.x, far.y), min(far.z, t_to));
     let entry = ray.origin.xy + t_enter * ray.direction.xy;
-    let cells = clamp(floor(entry / scene.pitch + 0.5), first + 0.5, last - 0.5);
+    let cells = clamp(floor(entry / scene.pitch + 0.5), first_edge + 0.5, last_edge - 0.5);
     var walk = Walk(
-        ray.cell + vec2<i32>(cells),
+        (ray.cell + vec2<i32>(cells)) >> vec2<u32>(shift),
         t_enter,
         t_end,
         t_end,
         inverse.xy,
         select(vec2<i32>(-1), vec2<i32>(1), ray.direction.xy >= vec2<f32>(0.0)),
         vec2<f32>(FAR),
+        first,
+        end,
+        shift,
     );
     walk.t_next = walk_boundaries(ray, walk);
     walk.t_exit = max(walk.t_enter, min(walk.t_end, min(walk.t_next.x, walk.t_next.y)));
     return walk;
+}
+
+// The blocks along a ray.
+fn walk_begin(ray: Ray, heights: vec2<f32>, t_to: f32) -> Walk {
+    return walk_over(ray, heights, t_to, -scene.margin, scene.blocks - scene.margin, scene.block_shift);
+}
+
+// The cells of the sheet along a ray.
+fn walk_cells_begin(ray: Ray, heights: vec2<f32>, t_to: f32) -> Walk {
+    return walk_over(ray, heights, t_to, vec2<i32>(0), scene.sheet, 0u);
 }
 
 fn walk_goes_on(walk: Walk) -> bool {
@@ -89,91 +109,19 @@ fn walk_goes_on(walk: Walk) -> bool {
 
 fn walk_step(ray: Ray, walk: ptr<function, Walk>) {
     if (*walk).t_next.x < (*walk).t_next.y {
-        (*walk).cell.x += (*walk).step.x;
+        (*walk).place.x += (*walk).step.x;
     } else {
-        (*walk).cell.y += (*walk).step.y;
+        (*walk).place.y += (*walk).step.y;
     }
-    let inside = all((*walk).cell >= -scene.margin) && all((*walk).cell < scene.sheet + scene.margin);
+    let inside = all((*walk).place >= (*walk).first) && all((*walk).place < (*walk).end);
     let t_enter = (*walk).t_exit;
     (*walk).t_enter = select((*walk).t_end, t_enter, inside);
     (*walk).t_next = walk_boundaries(ray, *walk);
     (*walk).t_exit = max(t_enter, min((*walk).t_end, min((*walk).t_next.x, (*walk).t_next.y)));
 }
 
-// No ray crosses more cells than this.
+// No walk has more steps than this.
 fn walk_limit() -> u32 {
-    let cells = scene.sheet + 2 * scene.margin;
+    let cells = max(scene.blocks << vec2<u32>(scene.block_shift), scene.sheet);
     return u32(cells.x + cells.y) + 2u;
-}
-
-// What a cell lists.
-struct Cell {
-    place: vec2<i32>,
-    entries_start: u32,
-    entries_end: u32,
-    // Lowest and highest point of loops in the cell, mm.
-    low: f32,
-    high: f32,
-    // Lowest and highest point of the ray's part in the cell, in 255ths of the cell's height range.
-    ray_low: f32,
-    ray_high: f32,
-}
-
-fn header_index(cell: vec2<i32>) -> u32 {
-    let place = vec2<u32>(cell + scene.margin);
-    return place.y * u32(scene.sheet.x + 2 * scene.margin.x) + place.x;
-}
-
-// The cell's list, empty where the part of the ray from `t_from` to `t_to` misses the cell's height range.
-fn open_cell(ray: Ray, place: vec2<i32>, t_from: f32, t_to: f32) -> Cell {
-    let header = cell_headers[header_index(place)];
-    let range = bitcast<i32>(header.w);
-    let low = f32(extractBits(range, 0u, 16u)) * scene.height_unit;
-    let high = f32(extractBits(range, 16u, 16u)) * scene.height_unit;
-    let z_from = ray.origin.z + t_from * ray.direction.z;
-    let z_to = ray.origin.z + t_to * ray.direction.z;
-    let steps = 255.0 / max(high - low, 1.0e-20);
-    let ray_low = (min(z_from, z_to) - low) * steps;
-    let ray_high = (max(z_from, z_to) - low) * steps;
-    // A flat range has no steps: all of its entries are met.
-    let flat = high <= low;
-    let missed = low > high || min(z_from, z_to) > high || max(z_from, z_to) < low;
-    return Cell(
-        place,
-        header.x,
-        header.x + select(header.y, 0u, missed),
-        low,
-        high,
-        select(ray_low, 0.0, flat),
-        select(ray_high, 255.0, flat),
-    );
-}
-
-// The first entry from `start` on whose height range the ray's part in the cell meets; the end of the list if none. A
-// loop of its own, so that neighbouring threads that skip different entries come together at the costly test.
-fn next_met(cell: Cell, start: u32) -> u32 {
-    var index = start;
-    for (; index < cell.entries_end; index++) {
-        let bits = cell_entries[index];
-        let lowest = f32(extractBits(bits, 16u, 8u));
-        let highest = f32(extractBits(bits, 24u, 8u));
-        if lowest <= cell.ray_high && highest >= cell.ray_low {
-            break;
-        }
-    }
-    return index;
-}
-
-// A loop that a cell lists.
-struct Listed {
-    index: u32,
-    // Its own cell.
-    cell: vec2<i32>,
-}
-
-fn open_entry(cell: Cell, index: u32) -> Listed {
-    let bits = cell_entries[index];
-    let word = bitcast<i32>(bits);
-    let own_cell = cell.place + vec2<i32>(extractBits(word, 0u, 8u), extractBits(word, 8u, 7u));
-    return Listed(cell_headers[header_index(own_cell)].z + extractBits(bits, 15u, 1u), own_cell);
 }

@@ -173,30 +173,44 @@ mirrors! {
         z_range: [f32; 2],
         /// Cells of the sheet.
         sheet: [i32; 2],
-        /// Cells of margin.
+        /// Blocks of the grid.
+        blocks: [i32; 2],
+        /// Blocks before block 0.
         margin: [i32; 2],
         /// Half of w₀, mm.
         half_base_width: f32,
         /// Thickness of all loops, mm.
         thickness: f32,
-        /// Unit of the cells' height ranges, mm.
+        /// Unit of the blocks' height ranges, mm.
         height_unit: f32,
+        /// How far loops of one face reach to the other's side, mm.
+        dip: f32,
+        /// Unit of the loops' shapes, mm.
+        length_unit: f32,
+        /// Binary logarithm of a block's cells along each side.
+        block_shift: u32,
+        /// Where an entry's place begins.
+        place_shift: u32,
+        /// Where its quadrants begin.
+        quadrants_shift: u32,
+        /// Where its heights begin.
+        heights_shift: u32,
+        /// Bits of each of its heights.
+        height_bits: u32,
         /// Share of the loop over which it fades in.
         root_blend: f32,
-        /// Size of the reference loop, mm.
-        reference_size: [f32; 4],
         /// Voxels along u and v.
         resolution: f32,
         /// 1 / slices of the voxel texture.
         per_slice: f32,
         /// Volumes of each kind.
         variants: u32,
+        /// Size of the reference loop, mm.
+        reference_size: [f32; 4],
         /// Highest density, 1/mm.
         max_density: f32,
         /// H, mm.
         crimp: f32,
-        /// Padding.
-        unused: f32,
         /// Radii of warps and wefts, mm.
         yarn_radius: [f32; 2],
         /// Yarns beside a cell that reach into it.

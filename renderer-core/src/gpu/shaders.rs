@@ -11,7 +11,7 @@ macro_rules! parts {
 
 /// The program that adds samples, in the order in which its parts build on each other.
 pub const TRACE: &[Part] = parts![
-    "settings.wgsl" "scene.wgsl" "sampling.wgsl" "counters.wgsl" "walk.wgsl" "patch.wgsl" "volume.wgsl"
+    "settings.wgsl" "scene.wgsl" "sampling.wgsl" "counters.wgsl" "walk.wgsl" "block.wgsl" "patch.wgsl" "volume.wgsl"
     "skeleton.wgsl" "surface.wgsl" "phase.wgsl" "lights.wgsl" "events.wgsl" "single.wgsl" "layered.wgsl"
     "composite.wgsl" "tracked.wgsl" "camera.wgsl" "picture.wgsl" "bounced.wgsl" "exact.wgsl" "trace.wgsl"
     "bare.wgsl"

@@ -20,16 +20,9 @@ const ROUNDING: f64 = 1e-13;
 
 /// Corners of the box that holds all loops and ground yarns, mm: least and greatest.
 pub fn cloth_box(scene: &Scene) -> [DVec3; 2] {
-    let sheet = &scene.sheet;
-    let pitch = DVec2::new(sheet.pitch_x_mm, sheet.pitch_y_mm);
-    let [margin_x, margin_y] = scene.loops.margin.map(f64::from);
-    let half = pitch
-        * DVec2::new(
-            f64::from(sheet.warps) / 2.0 + margin_x,
-            f64::from(sheet.wefts) / 2.0 + margin_y,
-        );
+    let [least, greatest] = scene.loops.borders_mm(&scene.sheet).map(DVec2::from_array);
     let [low, high] = z_range_mm(scene);
-    [(-half).extend(low), half.extend(high)]
+    [least.extend(low), greatest.extend(high)]
 }
 
 /// Lowest and highest point of loops and skeleton, mm.

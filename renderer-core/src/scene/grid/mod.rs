@@ -53,14 +53,33 @@ impl Loops {
         ((0..width).contains(&x) && (0..height).contains(&y)).then_some((y * width + x) as usize)
     }
 
+    /// The grid's borders in world space, mm: least x and y, greatest x and y.
+    pub fn borders_mm(&self, sheet: &SheetGeometry) -> [[f64; 2]; 2] {
+        let cells = [sheet.warps, sheet.wefts].map(f64::from);
+        let pitch = [sheet.pitch_x_mm, sheet.pitch_y_mm];
+        let at = |blocks: [i64; 2]| {
+            [0, 1].map(|axis| {
+                let cell = blocks[axis] * i64::from(self.block_cells);
+                (cell as f64 - 0.5 * cells[axis]) * pitch[axis]
+            })
+        };
+        let margin = self.margin.map(i64::from);
+        let blocks = self.blocks.map(i64::from);
+        [
+            at(margin.map(|blocks| -blocks)),
+            at([blocks[0] - margin[0], blocks[1] - margin[1]]),
+        ]
+    }
+
     /// How far the grid goes beyond the sheet's borders at most, mm.
     pub fn beyond_sheet_mm(&self, sheet: &SheetGeometry) -> f64 {
-        let of_axis = |axis: usize, cells: u32, pitch_mm: f64| {
-            let before = self.margin[axis] * self.block_cells;
-            let behind = self.blocks[axis] * self.block_cells - before - cells;
-            f64::from(before.max(behind)) * pitch_mm
-        };
-        of_axis(0, sheet.warps, sheet.pitch_x_mm).max(of_axis(1, sheet.wefts, sheet.pitch_y_mm))
+        let half = [
+            0.5 * f64::from(sheet.warps) * sheet.pitch_x_mm,
+            0.5 * f64::from(sheet.wefts) * sheet.pitch_y_mm,
+        ];
+        let [low, high] = self.borders_mm(sheet);
+        let beyond = [0, 1].map(|axis| (-low[axis]).max(high[axis]) - half[axis]);
+        beyond[0].max(beyond[1])
     }
 
     /// Entries of the block with this header.

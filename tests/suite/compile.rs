@@ -165,7 +165,7 @@ fn no_loop_is_beyond_the_reach() {
         };
         compiled += 1;
         let loops = &scene.loops;
-        for shape in &loops.shapes {
+        for shape in (0..loops.shapes.len()).map(|index| loops.patch(index)) {
             let half = 0.5 * f64::from(loops.thickness_mm);
             let normal = shape.normal(loops.base_width_mm).abs() * half;
             for corner in shape.corners(loops.base_width_mm) {

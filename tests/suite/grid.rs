@@ -1,11 +1,53 @@
-//! The grid that finds loops: lists and height ranges of cells.
+//! The grid that finds loops: lists and height ranges of blocks.
 
-use glam::DVec3;
 use renderer_core::design::{Back, Design, Pattern, Pile};
 use renderer_core::sampling::Pcg;
-use renderer_core::scene::{Face, Scene, compile};
+use renderer_core::scene::{EntryLayout, EntryParts, Face, PlantedLoop, Scene, compile};
 
-/// Checks that points inside loops' volumes are listed in their cell, inside the entry's and the cell's height range.
+/// A block's entry for a loop, with its heights in mm.
+struct Listed {
+    entry: EntryParts,
+    z: [f64; 2],
+}
+
+/// What the list of the block that holds `cell` says of the loop `planted`.
+fn listed(scene: &Scene, planted: PlantedLoop, cell: [i64; 2]) -> Option<Listed> {
+    let loops = &*scene.loops;
+    let block = loops.block_of(cell);
+    let index = loops
+        .header_index(block)
+        .unwrap_or_else(|| panic!("{planted:?} reaches cell {cell:?} outside the grid"));
+    let own = planted.cell.map(i64::from);
+    let entries = loops.entries_of(index).iter();
+    let mut entries = entries.map(|&entry| loops.entry_layout.unpack(entry));
+    let entry = entries.find(|entry| {
+        let home = [0, 1].map(|k| block[k] + i64::from(entry.offset[k]));
+        home == loops.block_of(own)
+            && loops.cell_in_block(home, entry.place) == own
+            && Face::of_place(entry.place) == planted.face
+    })?;
+    let [low, high] = loops.headers[index].heights_mm(loops, planted.face);
+    let step = (high - low) / f64::from(loops.entry_layout.height_steps());
+    let z = [entry.heights[0], entry.heights[1] + 1];
+    Some(Listed {
+        entry,
+        z: z.map(|steps| low + f64::from(steps) * step),
+    })
+}
+
+/// The bit of the subcell of a block, n along each side, that a point in `cell` is in; `place` is the point's in its cell,
+/// from 0 to 1.
+fn subcell(scene: &Scene, cell: [i64; 2], place: [f64; 2], n: i64) -> u32 {
+    let b = i64::from(scene.loops.block_cells);
+    let [x, y] = [0, 1].map(|k| {
+        let in_block = (cell[k].rem_euclid(b) as f64 + place[k]) / b as f64;
+        (in_block * n as f64).floor() as i64
+    });
+    1 << (x + n * y)
+}
+
+/// Checks that points inside loops' volumes are listed in their block, in the quadrant that they are in and within the entry's
+/// heights, and points on their patches in their ninth.
 fn check_grid_holds_volumes(scene: &Scene, points: usize) {
     let (sheet, loops) = (&*scene.sheet, &*scene.loops);
     let planted: Vec<_> = (0..sheet.wefts)
@@ -21,7 +63,8 @@ fn check_grid_holds_volumes(scene: &Scene, points: usize) {
         } else {
             (next() * planted.len() as f64) as usize
         }];
-        let shape = &loops.shapes[planted.index as usize];
+        let shape = loops.patch(planted.index as usize);
+        assert_eq!(shape.face(), planted.face);
         let [p0, p1, p2, p3] = shape.corners(loops.base_width_mm);
         // Half of the points lie on the volume's edges, where bounds fail first.
         let mut share = || {
@@ -31,42 +74,35 @@ fn check_grid_holds_volumes(scene: &Scene, points: usize) {
         let (u, v, w) = (share(), share(), share() - 0.5);
         let patch = p0 + u * (p1 - p0) + v * (p3 - p0) + u * v * (p0 - p1 + p2 - p3);
         let normal = shape.normal(loops.base_width_mm);
-        let point: DVec3 = patch + w * f64::from(loops.thickness_mm) * normal;
-        let di = (point.x / sheet.pitch_x_mm + 0.5).floor() as i64;
-        let dj = (point.y / sheet.pitch_y_mm + 0.5).floor() as i64;
-        let cell = [
-            i64::from(planted.cell[0]) + di,
-            i64::from(planted.cell[1]) + dj,
-        ];
-        let index = loops
-            .header_index(sheet, cell[0], cell[1])
-            .unwrap_or_else(|| panic!("{planted:?} reaches cell {cell:?} outside the grid"));
-        let header = &loops.headers[index];
-        let own = loops
-            .header_index(sheet, planted.cell[0].into(), planted.cell[1].into())
-            .map(|own| loops.headers[own].first_loop);
-        let wanted = [-di as i32, -dj as i32];
-        let entry = loops
-            .entries_of(header)
-            .iter()
-            .find(|entry| {
-                entry.cell_offset() == wanted
-                    && own.map(|first| first + entry.slot()) == Some(planted.index)
-            })
-            .unwrap_or_else(|| panic!("{planted:?} is not listed in cell {cell:?}"));
-        let unit = f64::from(loops.height_unit_mm);
-        let [low, high] = header.z_units().map(|z| f64::from(z) * unit);
-        let [z0, z1] = entry
-            .z_steps()
-            .map(|step| low + (high - low) * f64::from(step) / 255.0);
-        assert!(
-            z0 <= point.z && point.z <= z1,
-            "{planted:?} at {point} is outside {z0}..{z1} of cell {cell:?}"
-        );
-        assert!(
-            f64::from(loops.z_range_mm[0]) <= z0 + 1e-4
-                && z1 <= f64::from(loops.z_range_mm[1]) + 1e-4
-        );
+        for (point, on_patch) in [
+            (patch, true),
+            (patch + w * f64::from(loops.thickness_mm) * normal, false),
+        ] {
+            let place = [
+                point.x / sheet.pitch_x_mm + 0.5,
+                point.y / sheet.pitch_y_mm + 0.5,
+            ];
+            let cell = [0, 1].map(|k| i64::from(planted.cell[k]) + place[k].floor() as i64);
+            let place = place.map(|place| place - place.floor());
+            let Listed { entry, z } = listed(scene, planted, cell)
+                .unwrap_or_else(|| panic!("{planted:?} is not listed in the block of {cell:?}"));
+            assert!(
+                z[0] <= point.z && point.z <= z[1],
+                "{planted:?} at {point} is outside {z:?} in the block of {cell:?}"
+            );
+            let quadrant = subcell(scene, cell, place, 2);
+            assert!(
+                entry.quadrants & quadrant != 0,
+                "{planted:?} at {point}: {entry:?}"
+            );
+            let ninth = subcell(scene, cell, place, 3);
+            assert!(
+                !on_patch || entry.ninths & ninth != 0,
+                "{planted:?} at {point}: {entry:?}"
+            );
+            let [low, high] = loops.z_range_mm.map(f64::from);
+            assert!(low <= point.z + 1e-4 && point.z <= high + 1e-4);
+        }
     }
 }
 
@@ -104,8 +140,9 @@ fn every_point_is_found_on_both_faces_of_other_weaves() {
     design.weave.back = Back::Pattern;
     let scene = compile(&design).unwrap();
     let faces = |face: Face| {
-        let shapes = scene.loops.shapes.iter();
-        shapes.filter(|shape| shape.face() == face).count()
+        let shapes = 0..scene.loops.shapes.len();
+        let faces = shapes.map(|index| scene.loops.patch(index).face());
+        faces.filter(|&other| other == face).count()
     };
     assert!(faces(Face::Front) > 40 && faces(Face::Back) > 40);
     check_grid_holds_volumes(&scene, 50_000);
@@ -165,42 +202,86 @@ fn upright() -> Design {
 
 #[test]
 fn lists_are_as_short_as_the_loops_outline() {
-    // An upright loop's outline is 0.4 × 1.5 mm about the middle of a cell of 1 mm: its own cell and the two beside it
-    // along y, no other.
+    // An upright loop's outline is 0.4 × 1.5 mm about the middle of a cell of 1 mm, its patch's is 0 × 1.5 mm.
     let scene = compile(&upright()).unwrap();
-    let loops = &scene.loops;
-    assert_eq!(loops.entries.len(), 3 * loops.shapes.len());
+    let (sheet, loops) = (&*scene.sheet, &*scene.loops);
+    check_footprints(
+        &scene,
+        [[-0.2, 0.2], [-0.75, 0.75]],
+        [[0.0, 0.0], [-0.75, 0.75]],
+    );
     assert_eq!(loops.margin, [0, 1]);
-    // A lean of 1 rad along x with length 3: the box is 2.5 + 0.4·cos 1 mm wide, so four cells, and higher on one side.
+    let all: Vec<_> = (0..sheet.wefts)
+        .flat_map(|j| loops.planted_in_row(sheet, j))
+        .collect();
+    assert_eq!(all.len(), loops.shapes.len());
+
+    // A lean of 1 rad along x with length 3: the axis goes 2.5 mm along x, and the thickness adds 0.2·cos 1 to either side.
     let mut leaning = upright();
     leaning.pile.lean_x = 1.0_f64.to_degrees();
     let scene = compile(&leaning).unwrap();
-    let (sheet, loops) = (&*scene.sheet, &*scene.loops);
-    assert_eq!(loops.entries.len(), 12 * loops.shapes.len());
-    // Two cells from the root, 1.5 to 2.5 mm, the axis is between (1.5 and 2.5)·cot 1 above the roots, and half the
-    // thickness of 0.2/sin 1 measured upright lies above and below; the top edge ends at 3 cos 1 + 0.2 sin 1.
-    let header = loops.headers[loops.header_index(sheet, 4, 4).unwrap()];
-    let root = f64::from(loops.shapes[0].root_z0);
-    let unit = f64::from(loops.height_unit_mm);
-    let [low, high] = header.z_units().map(|z| f64::from(z) * unit);
-    let entry = loops
-        .entries_of(&header)
-        .iter()
-        .find(|entry| entry.cell_offset() == [-2, 0])
-        .expect("the loop two cells to the left reaches here");
-    let [z0, z1] = entry
-        .z_steps()
-        .map(|step| low + (high - low) * f64::from(step) / 255.0 - root);
-    let upright_thickness = 0.2 / 1.0_f64.sin();
-    let bottom = 1.5 / 1.0_f64.tan() - upright_thickness;
-    let top = 3.0 * 1.0_f64.cos() + 0.2 * 1.0_f64.sin();
-    // Heights are kept in 255ths of the cell's range, rounded outwards.
-    let step = (high - low) / 255.0 + 2.0 * unit;
-    assert!(
-        z0 <= bottom && z0 > bottom - 2.0 * step,
-        "{z0}, not {bottom}"
+    let (sin, cos) = 1.0_f64.sin_cos();
+    let (ahead, beside) = (3.0 * sin, 0.2 * cos);
+    check_footprints(
+        &scene,
+        [[-beside, ahead + beside], [-0.75, 0.75]],
+        [[0.0, ahead], [-0.75, 0.75]],
     );
-    assert!(z1 >= top && z1 < top + 2.0 * step, "{z1}, not {top}");
+    // Heights: over the cells from 1.5 mm on, that is the block two cells to the right, the volume's lowest point is on its
+    // lower side, 1.5·cot 1 − 0.2/sin 1 above the root; the top edge's upper side ends at 3 cos 1 + 0.2 sin 1.
+    let loops = &*scene.loops;
+    assert_eq!(loops.block_cells, 2);
+    let own = PlantedLoop {
+        index: loops.loop_at([4, 4], Face::Front).expect("is planted"),
+        cell: [4, 4],
+        face: Face::Front,
+    };
+    let root = f64::from(loops.patch(own.index as usize).root_z0);
+    let Listed { z, .. } = listed(&scene, own, [6, 4]).expect("reaches two cells to the right");
+    let [z0, z1] = z.map(|z| z - root);
+    let (bottom, top) = (1.5 / 1.0_f64.tan() - 0.2 / sin, 3.0 * cos + 0.2 * sin);
+    // Rounded outwards to steps of the block's heights.
+    let index = loops.header_index(loops.block_of([6, 4])).unwrap();
+    let [low, high] = loops.headers[index].heights_mm(loops, Face::Front);
+    let step = (high - low) / f64::from(loops.entry_layout.height_steps()) + 1e-3;
+    assert!(z0 <= bottom && z0 > bottom - step, "{z0}, not {bottom}");
+    assert!(z1 >= top && z1 < top + step, "{z1}, not {top}");
+}
+
+/// Checks quadrants and ninths of all lists where every loop's volume and patch cover the same box seen from above, mm from
+/// the middle of the loop's cell.
+fn check_footprints(scene: &Scene, volume: [[f64; 2]; 2], patch: [[f64; 2]; 2]) {
+    let (sheet, loops) = (&*scene.sheet, &*scene.loops);
+    let b = loops.block_cells as f64;
+    let pitch = [sheet.pitch_x_mm, sheet.pitch_y_mm];
+    let mut entries = 0;
+    for planted in (0..sheet.wefts).flat_map(|j| loops.planted_in_row(sheet, j)) {
+        let reached = |block: [i64; 2], n: i64, span: [[f64; 2]; 2]| {
+            let subcells = (0..n * n).filter(|k| {
+                [k % n, k / n].into_iter().enumerate().all(|(axis, index)| {
+                    let size = b * pitch[axis] / n as f64;
+                    let middle = (f64::from(planted.cell[axis]) + 0.5) * pitch[axis];
+                    let low = block[axis] as f64 * b * pitch[axis] + index as f64 * size - middle;
+                    // A touch counts, but for rounding no border is touched here.
+                    low <= span[axis][1] && low + size >= span[axis][0]
+                })
+            });
+            subcells.fold(0, |bits, k| bits | 1 << k)
+        };
+        let [i, j] = loops.block_of(planted.cell.map(i64::from));
+        for block in (-4..=4).flat_map(|y| (-4..=4).map(move |x| [i + x, j + y])) {
+            let (quadrants, ninths) = (reached(block, 2, volume), reached(block, 3, patch));
+            if quadrants == 0 {
+                continue;
+            }
+            entries += 1;
+            let cell = block.map(|index| index * i64::from(loops.block_cells));
+            let Listed { entry, .. } = listed(scene, planted, cell).expect("is listed");
+            assert_eq!(entry.quadrants, quadrants, "{planted:?} in {block:?}");
+            assert_eq!(entry.ninths, ninths, "{planted:?} in {block:?}");
+        }
+    }
+    assert_eq!(loops.entries.len(), entries);
 }
 
 #[test]
@@ -210,15 +291,17 @@ fn a_far_cell_of_a_wide_carpet_is_like_a_near_one() {
     design.sheet.warps = 100_000;
     design.sheet.wefts = 6;
     let scene = compile(&design).unwrap();
-    let (sheet, loops) = (&*scene.sheet, &*scene.loops);
+    let loops = &*scene.loops;
     let first = loops.shapes[0];
     assert!(loops.shapes.iter().all(|shape| *shape == first));
     let cell = |i: i64| {
-        let header = loops.headers[loops.header_index(sheet, i, 3).unwrap()];
-        (header.z_range, loops.entries_of(&header).to_vec())
+        let index = loops.header_index(loops.block_of([i, 3])).unwrap();
+        let entries = loops.entries_of(index);
+        assert!(!entries.is_empty());
+        (loops.headers[index].z_range, entries.to_vec())
     };
-    assert_eq!(cell(50), cell(99_950));
-    assert_eq!(cell(51), cell(99_951));
+    assert_eq!(cell(52), cell(99_952));
+    assert_eq!(cell(54), cell(99_954));
 }
 
 #[test]
@@ -226,26 +309,121 @@ fn a_sheet_without_loops_has_an_empty_grid() {
     let mut design = upright();
     design.length.value = 0.0;
     let scene = compile(&design).unwrap();
-    assert!(scene.loops.shapes.is_empty() && scene.loops.entries.is_empty());
+    let loops = &scene.loops;
+    assert!(loops.shapes.is_empty() && loops.entries.is_empty());
     assert!(scene.looks.is_empty());
-    assert_eq!(scene.loops.headers.len(), 14 * 11);
-    assert_eq!(scene.loops.z_range_mm, [0.0, 0.0]);
-    let empty = |header: &renderer_core::scene::CellHeader| {
+    // One more ends the last list.
+    let b = loops.block_cells;
+    let blocks = 14_u32.div_ceil(b) * 11_u32.div_ceil(b);
+    assert_eq!(loops.headers.len(), blocks as usize + 1);
+    assert_eq!(loops.z_range_mm, [0.0, 0.0]);
+    assert!(loops.headers.iter().all(|header| {
         let [low, high] = header.z_units();
-        low > high
-    };
-    assert!(scene.loops.headers.iter().all(empty));
+        low > high && header.planted == 0
+    }));
 }
 
 #[test]
 fn entries_keep_what_is_packed_into_them() {
-    use renderer_core::scene::CellEntry;
-    for (di, dj) in [(0, 0), (-128, -64), (127, 63), (-1, 5), (60, -60)] {
-        for second in [false, true] {
-            let entry = CellEntry::new(di, dj, second, 3, 254);
-            assert_eq!(entry.cell_offset(), [di, dj]);
-            assert_eq!(entry.slot(), u32::from(second));
-            assert_eq!(entry.z_steps(), [3, 254]);
+    let mut random = Pcg::new(3, 0);
+    let mut below = |end: i64| (f64::from(random.next_float()) * end as f64) as i64;
+    for block_cells in [1, 2, 4] {
+        for farthest in 0..=EntryLayout::FARTHEST {
+            let layout = EntryLayout::new(block_cells, farthest);
+            let bits = 2 * (layout.offset_bits + layout.height_bits) + layout.place_bits + 13;
+            assert!(bits <= 32 && layout.height_bits >= 2, "{layout:?}");
+            for _ in 0..200 {
+                let mut offset = || (below(2 * farthest + 1) - farthest) as i32;
+                let parts = EntryParts {
+                    offset: [offset(), offset()],
+                    place: below(2 * i64::from(block_cells).pow(2)) as u32,
+                    quadrants: below(16) as u32,
+                    ninths: below(512) as u32,
+                    heights: [0; 2].map(|_| below(layout.height_steps().into()) as u32),
+                };
+                assert_eq!(layout.unpack(layout.pack(parts)), parts, "{layout:?}");
+            }
         }
+    }
+}
+
+#[test]
+fn shapes_are_off_by_half_a_unit_at_most() {
+    use renderer_core::scene::{FrameSettings, Jitter, LoopInput, loop_hash, loop_shape};
+    let design = plain();
+    let scene = compile(&design).unwrap();
+    let (sheet, loops) = (&*scene.sheet, &*scene.loops);
+    let unit = f64::from(loops.length_unit_mm);
+    // The longest component, of a loop of 2.8 mm stretched by 15 %, is told in 15 bits; nine bits of the unit may cost 1/256.
+    assert!(unit < 3.3 / 32_767.0 * 1.004, "{unit}");
+    assert_eq!(
+        loops.length_unit_mm.to_bits() & 0x7fff,
+        0,
+        "nine significant bits"
+    );
+    // Without turbulence: what is left of the design is known here.
+    let mut still = design.clone();
+    (still.pile.tilt, still.pile.twist, still.pile.stretch) = (0.0, 0.0, 0.0);
+    let scene = compile(&still).unwrap();
+    let loops = &scene.loops;
+    let unit = f64::from(loops.length_unit_mm);
+    let settings = FrameSettings::new(&still.pile);
+    let mut worst = 0.0_f64;
+    for planted in (0..sheet.wefts).flat_map(|j| loops.planted_in_row(sheet, j)) {
+        let stored = loops.patch(planted.index as usize);
+        let [i, j] = planted.cell;
+        let input = LoopInput {
+            face: planted.face,
+            root_heights: [stored.root_z0, stored.root_z1]
+                .map(|z| f64::from(z) * planted.face.sign()),
+            length: still.length.value,
+            turbulence: [0.0; 4],
+            jitter: Jitter::new(loop_hash(still.turbulence.seed, i, j, planted.face)),
+        };
+        let asked = loop_shape(&settings, &input, &mut Default::default()).unwrap();
+        let pairs = stored.axis.into_iter().chain(stored.half_top);
+        let pairs = pairs.zip(asked.axis.into_iter().chain(asked.half_top));
+        for (stored, asked) in pairs {
+            worst = worst.max((f64::from(stored) - f64::from(asked)).abs());
+        }
+    }
+    // f32's rounding of what was asked for comes on top, and that roots are already rounded here.
+    assert!(
+        worst <= 0.51 * unit && worst > 0.4 * unit,
+        "{worst}, unit {unit}"
+    );
+}
+
+#[test]
+fn the_farthest_loops_are_found() {
+    // As far as a design may ask for: 60 cells of 10/7 mm.
+    let mut design = small(&Pile {
+        max_length: 100.0,
+        lean_x: 74.0,
+        jitter: 5.0,
+        ..Pile::default()
+    });
+    (design.sheet.warps_per_cm, design.sheet.wefts_per_cm) = (7.0, 7.0);
+    design.length.value = 60.0;
+    (design.pile.stretch, design.pile.length_jitter) = (0.0, 0.0);
+    while design.faults().is_empty() {
+        design.length.value += 1.0;
+    }
+    design.length.value -= 1.0;
+    let scene = compile(&design).unwrap();
+    assert_eq!(scene.loops.block_cells, 4);
+    assert_eq!(scene.loops.entry_layout.offset_bits, 5);
+    check_grid_holds_volumes(&scene, 50_000);
+}
+
+#[test]
+fn records_stay_small() {
+    // The budget is 64 bytes a loop; of these the second has the most crowded loops of all presets.
+    for name in ["paper-fig1", "hotel-white"] {
+        let path = crate::support::scenes::preset_path(name);
+        let design = towel_designer::files::load_design(&path).unwrap();
+        let scene = compile(&design).unwrap();
+        let bytes = scene.loops.bytes_per_loop();
+        assert!(bytes <= 64.0, "{name}: {bytes} bytes a loop");
     }
 }

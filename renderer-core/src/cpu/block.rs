@@ -243,6 +243,7 @@ impl Iterator for MetLoops<'_> {
         let entry = loop {
             let (&entry, rest) = self.block.entries.split_first()?;
             self.block.entries = rest;
+            if !self.shows(entry) { eprintln!("    not shown {:?} of_face {:?} steps {:?} pieces {:?}", self.layout.unpack(entry), self.block.of_face, self.steps_mm, self.pieces); }
             if !self.skipped || self.shows(entry) {
                 break entry;
             }

@@ -90,6 +90,7 @@ impl Tracer {
     #[inline(always)]
     pub fn composited_visibility(&self, ray: &Ray, scratch: &mut Scratch) -> f64 {
         scratch.counters.shadow_rays += 1;
+        eprintln!(" shadow {ray:?}");
         if self.is_blocked_by_ground(ray, scratch) {
             return 0.0;
         }
@@ -133,6 +134,7 @@ impl Tracer {
             pending,
             ..
         } = scratch;
+        eprintln!("  block {:?} enter {} leave {} point {} dir {} heights {:?} block {:?} missed {}", span.square, span.enter, span.leave, part.point, part.direction, heights, block.heights(), block.is_missed(heights));
         if self.skips_empty && block.is_missed(heights) {
             counters.skipped_cells += 1;
             return;
@@ -232,6 +234,7 @@ impl Tracer {
                     continue;
                 }
                 let depth = crossing.optical_depth(&cloth.yarn(listed.index), layers, counters);
+                eprintln!("   loop {} t {t} depth {depth} from {from} trav {travelled} crossing {crossing:?}", listed.index);
                 if depth > 0.0 {
                     counters.contributing_hits += 1;
                     found(Event {

@@ -279,7 +279,6 @@ fn work_is_counted() {
     let layers = 7;
     let scene = block(layers);
     let (middle, _) = block_extent(&scene);
-    let margin = scene.loops.margin.map(u64::from);
     let ray = |direction: DVec3| Ray {
         origin: middle - direction * 20.0,
         direction,
@@ -289,30 +288,32 @@ fn work_is_counted() {
         work(&tracer(scene.clone(), method), &mut scratch);
         scratch.counters
     };
-    // Across the sheet's only cell and its margins, through the one loop. It stands within its column of cells.
-    let cells = 2 * margin[0] + 1;
+    // Across the sheet's only block and its margin, through the one loop.
+    let cells = u64::from(scene.loops.blocks[0]);
+    assert_eq!((cells, scene.loops.margin[0]), (2, 1));
     let along_x = |tracer: &Tracer, scratch: &mut Scratch| {
         tracer.composited_visibility(&ray(DVec3::X), scratch);
     };
     let single = count(Method::Single, &along_x);
     let lists = |cells: u64, tests: u64| (cells, tests);
     assert_eq!((single.rays, single.shadow_rays), (0, 1));
-    // The block is 0.8 mm thick and the cell 0.75 mm wide: both neighbours list it as well.
-    assert_eq!(lists(single.cells, single.patch_tests), (cells, 3));
+    // The loop's patch is in the one block of cells only.
+    assert_eq!(lists(single.cells, single.patch_tests), (cells, 1));
     assert_eq!(single.volume_samples, u64::from(layers));
     assert_eq!(single.contributing_hits, 1);
     let layered = count(Method::Layered, &along_x);
-    assert_eq!(layered.patch_tests, 3 * u64::from(layers));
+    // It is 0.8 mm thick and its cell, the first of the block, 0.75 mm wide: the block to the left lists it as well.
+    assert_eq!(layered.patch_tests, 2 * u64::from(layers));
     assert_eq!(layered.volume_samples, u64::from(layers));
     assert_eq!(layered.contributing_hits, u64::from(layers));
-    // Past the sheet: no cell.
+    // Past the sheet: no block.
     let beside = count(Method::Single, &|tracer, scratch| {
         let mut ray = ray(DVec3::X);
         ray.origin.y += 100.0;
         tracer.first_event(&ray, 1.0, scratch);
     });
     assert_eq!((beside.rays, beside.shadow_rays, beside.cells), (1, 0, 0));
-    // Above the loop, inside the grid's box: cells, but no test.
+    // Above the loop, inside the grid's box: blocks, but no test.
     let mut tall = scene.clone();
     let mut loops = renderer_core::scene::Loops::clone(&tall.loops);
     loops.z_range_mm[1] += 5.0;

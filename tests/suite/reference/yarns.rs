@@ -27,10 +27,14 @@ fn weave(height: SkeletonHeight, radii: [f64; 2], crimp: f64) -> Scene {
 fn hit(scene: &Scene, ray: &Ray) -> Option<SkeletonHit> {
     let yarns = Yarns::new(&scene.sheet, &scene.skeleton);
     let grid = Grid::new(&scene.sheet, &scene.loops, Some(&yarns));
-    grid.walk(ray).find_map(|span| {
-        let [x, y] = scene.sheet.cell_centre(span.cell[0], span.cell[1]);
+    let cells = grid
+        .walk(ray)
+        .flat_map(|block| grid.walk_cells(ray, &block).collect::<Vec<_>>());
+    let mut hits = cells.map(|span| {
+        let [x, y] = scene.sheet.cell_centre(span.index[0], span.index[1]);
         yarns.hit(&grid, ray, &span, DVec3::new(x, y, 0.0))
-    })
+    });
+    hits.find_map(|hit| hit)
 }
 
 /// Values of all yarns' implicit functions at a point, and whether the point is over or under the yarn's strip: for

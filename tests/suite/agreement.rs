@@ -1,27 +1,29 @@
-//! The GPU's `tracked` pictures against the processor's: 256 samples a pixel on each side, as 16 pictures of 16 with seeds of
+//! `tracked` pictures of the GPU against the reference's: 256 samples a pixel on each side, as 16 pictures of 16 with seeds of
 //! their own, compared pixel by pixel.
 
-use renderer_core::cpu::CpuBackend;
 use renderer_core::design::{Colour, Design, Method, Pattern, Phase};
 use renderer_core::image::Picture;
+use renderer_core::render::Backend;
 
 use crate::support::agreement::same_distribution;
-use crate::support::device::{gpu, repeats};
+use crate::support::device::{gpu, reference, repeats};
 use crate::support::scenes::{preset_paths, request, small_towel};
 
-const SIZE: [u32; 2] = [16, 12];
+/// Width and height of the pictures that are compared.
+pub const SIZE: [u32; 2] = [16, 12];
 /// Samples of one picture: 16 pictures have 256.
 const SAMPLES: u32 = 16;
 
-fn on_device(design: &Design, size: [u32; 2]) -> Vec<Picture> {
-    repeats(&mut gpu(), &request(design, size), 31_000)
+fn on_backend(backend: &mut dyn Backend, design: &Design, size: [u32; 2]) -> Vec<Picture> {
+    repeats(backend, &request(design, size), 31_000)
 }
 
-fn on_processor(design: &Design, size: [u32; 2]) -> Vec<Picture> {
-    repeats(&mut CpuBackend::default(), &request(design, size), 47_000)
+fn on_reference(design: &Design, size: [u32; 2]) -> Vec<Picture> {
+    repeats(&mut reference(), &request(design, size), 47_000)
 }
 
-fn tracked(mut design: Design, bounces: u32) -> Design {
+/// A design by `tracked`, as many samples as one of the pictures that are compared.
+pub fn tracked(mut design: Design, bounces: u32) -> Design {
     design.quality.method = Method::Tracked;
     (design.quality.samples, design.quality.bounces) = (SAMPLES, bounces);
     design
@@ -29,7 +31,7 @@ fn tracked(mut design: Design, bounces: u32) -> Design {
 
 /// Loops so thin that light passes through several, lit from where they are seen: how bright they are follows their density,
 /// and the share of light that the phase sends back.
-fn thin_towel() -> Design {
+pub fn thin_towel() -> Design {
     let mut design = small_towel();
     (design.pile.density, design.skeleton.visible) = (1.0, false);
     design.pile.phase = Phase::FrameLambert;
@@ -43,7 +45,7 @@ fn thin_towel() -> Design {
 }
 
 /// The same before a bright wall: what is seen is what passes through.
-fn backlit_towel() -> Design {
+pub fn backlit_towel() -> Design {
     let mut design = thin_towel();
     design.light.sun.clear();
     design.light.environment.radiance = 0.0;
@@ -52,33 +54,49 @@ fn backlit_towel() -> Design {
 }
 
 /// A slightly wrong design, and what is wrong with it.
-type Wrong = (&'static str, fn(&mut Design));
+pub type Wrong = (&'static str, fn(&mut Design));
 
-fn assert_agree_and_tell(design: &Design, size: [u32; 2], wrongs: &[Wrong], bias: f64) {
-    let cpu = on_processor(design, size);
-    let power = same_distribution(&cpu, &on_device(design, size)).unwrap();
+/// The backend's pictures are draws of what the reference's are draws of, and those of wrong designs are not; the test can
+/// tell a relative difference of `bias` of the whole.
+pub fn assert_agree_and_tell(
+    backend: &mut dyn Backend,
+    design: &Design,
+    size: [u32; 2],
+    wrongs: &[Wrong],
+    bias: f64,
+) {
+    let expected = on_reference(design, size);
+    let power = same_distribution(&expected, &on_backend(backend, design, size)).unwrap();
     // In one pixel of 256 samples much less can be told.
     assert!(power.whole < bias && power.pixel < 50.0 * bias, "{power:?}");
     for (what, wrong) in wrongs {
         let mut design = design.clone();
         wrong(&mut design);
-        let other = on_device(&design, size);
+        let other = on_backend(backend, &design, size);
         assert!(
-            same_distribution(&cpu, &other).is_err(),
+            same_distribution(&expected, &other).is_err(),
             "{what}: {power:?}"
         );
     }
 }
 
 /// Once through thin loops, and once scattered by them, with what each tells best.
-fn one_scattering(size: [u32; 2], through: &[Wrong], scattered: &[Wrong], biases: [f64; 2]) {
-    assert_agree_and_tell(&tracked(backlit_towel(), 1), size, through, biases[0]);
-    assert_agree_and_tell(&tracked(thin_towel(), 1), size, scattered, biases[1]);
+pub fn one_scattering(
+    backend: &mut dyn Backend,
+    size: [u32; 2],
+    through: &[Wrong],
+    scattered: &[Wrong],
+    biases: [f64; 2],
+) {
+    let [by_background, by_sun] = [backlit_towel(), thin_towel()].map(|towel| tracked(towel, 1));
+    assert_agree_and_tell(backend, &by_background, size, through, biases[0]);
+    assert_agree_and_tell(backend, &by_sun, size, scattered, biases[1]);
 }
 
 #[test]
 fn one_scattering_agrees_at_256_samples() {
     one_scattering(
+        &mut gpu(),
         SIZE,
         &[("density", |d| d.pile.density *= 1.15)],
         &[("phase", |d| d.pile.transmission = 0.45)],
@@ -90,6 +108,7 @@ fn one_scattering_agrees_at_256_samples() {
 #[ignore = "long: about 30 s"]
 fn one_scattering_agrees_at_256_samples_to_a_few_percent() {
     one_scattering(
+        &mut gpu(),
         [64, 48],
         &[
             ("density + 3 %", |d| d.pile.density *= 1.03),
@@ -105,6 +124,7 @@ fn one_scattering_agrees_at_256_samples_to_a_few_percent() {
 #[test]
 fn several_scatterings_agree_at_256_samples() {
     assert_agree_and_tell(
+        &mut gpu(),
         &tracked(small_towel(), 5),
         SIZE,
         &[("one bounce less", |d| d.quality.bounces = 4)],
@@ -132,21 +152,21 @@ fn without_a_loop(pattern: &Pattern) -> Pattern {
 #[test]
 fn wrong_noise_and_wrong_pixels_are_refused() {
     let design = tracked(thin_towel(), 1);
-    let cpu = on_processor(&design, SIZE);
-    let same = repeats(&mut CpuBackend::default(), &request(&design, SIZE), 90_000);
-    same_distribution(&cpu, &same).unwrap();
+    let expected = on_reference(&design, SIZE);
+    let same = repeats(&mut reference(), &request(&design, SIZE), 90_000);
+    same_distribution(&expected, &same).unwrap();
 
     // The same mean from half as many samples: twice the variance.
     let mut noisier = design.clone();
     noisier.quality.samples = SAMPLES / 2;
-    let told = same_distribution(&cpu, &on_processor(&noisier, SIZE)).unwrap_err();
+    let told = same_distribution(&expected, &on_reference(&noisier, SIZE)).unwrap_err();
     assert!(told.starts_with("noise"), "{told}");
 
     // One pixel of all is twice as bright; pictures are upside down; not a number.
     let changed = |change: fn(&mut Picture)| {
         let mut pictures = same.clone();
         pictures.iter_mut().for_each(change);
-        same_distribution(&cpu, &pictures)
+        same_distribution(&expected, &pictures)
     };
     assert!(changed(|picture| picture.pixels[100] = picture.pixels[100].map(|x| x * 2.0)).is_err());
     assert!(changed(|picture| picture.pixels.reverse()).is_err());
@@ -156,12 +176,18 @@ fn wrong_noise_and_wrong_pixels_are_refused() {
 #[test]
 #[ignore = "long: about 120 s"]
 fn every_preset_agrees_at_256_samples() {
+    every_preset_agrees(&mut gpu());
+}
+
+/// Every preset with one and with several scatterings.
+pub fn every_preset_agrees(backend: &mut dyn Backend) {
     for path in preset_paths() {
         let name = path.file_stem().unwrap().to_string_lossy().into_owned();
         for bounces in [1, 4] {
             let design = towel_designer::files::load_design(&path).unwrap();
             let design = tracked(design, bounces);
-            let power = same_distribution(&on_processor(&design, SIZE), &on_device(&design, SIZE))
+            let expected = on_reference(&design, SIZE);
+            let power = same_distribution(&expected, &on_backend(backend, &design, SIZE))
                 .unwrap_or_else(|error| panic!("{name}, {bounces} bounces: {error}"));
             eprintln!("{name}, {bounces} bounces: {power:?}");
             // What a picture of so few pixels can tell: the paper's presets are almost black where the sun does not reach.

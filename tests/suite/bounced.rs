@@ -1,37 +1,43 @@
-//! Bounced light that is estimated after some scattering (`quality.traced_bounces`): the same on both backends, near the
+//! Bounced light that is estimated after some scattering (`quality.traced_bounces`): the same on all backends, near the
 //! traced light, and nothing of it where all bounces are traced.
 
+use renderer_core::cpu::CpuBackend;
 use renderer_core::design::{Design, Method};
 use renderer_core::image::metrics::{mean_luminance, rel_rmse};
-use renderer_core::render::RenderRequest;
+use renderer_core::render::{Backend, RenderRequest};
 use towel_designer::files;
 
-use crate::gpu_vs_cpu::both;
+use crate::gpu_vs_reference::both;
 use crate::support::compare::{same_means, same_samples};
-use crate::support::device::{exact_gpu, finish, on_cpu};
+use crate::support::device::{exact_gpu, finish, on_reference, repeats};
 use crate::support::scenes::{preset_path, request, small_towel};
 
 #[test]
-fn both_backends_estimate_the_same_light() {
+fn all_backends_estimate_the_same_light() {
     let mut design = small_towel();
     (design.quality.bounces, design.quality.traced_bounces) = (16, 1);
-    let mut gpu = exact_gpu();
+    let (mut gpu, mut cpu) = (exact_gpu(), CpuBackend::default());
     for method in [Method::Single, Method::Layered] {
         design.quality.method = method;
         let request = request(&design, [48, 40]);
-        let [expected, drawn] = [on_cpu(&request), finish(&mut gpu, &request)];
-        same_samples(&request, &expected, &drawn)
-            .unwrap_or_else(|error| panic!("{method:?}: {error}"));
+        let expected = on_reference(&request);
+        for backend in [&mut gpu as &mut dyn Backend, &mut cpu] {
+            let name = backend.kind().name();
+            same_samples(&request, &expected, &finish(backend, &request))
+                .unwrap_or_else(|error| panic!("{name}, {method:?}: {error}"));
+        }
     }
     // With free paths the samples differ, their mean does not.
     design.quality.method = Method::Tracked;
     (design.quality.traced_bounces, design.quality.samples) = (2, 4);
-    let [gpu, cpu] = both(&design, [24, 24]);
-    same_means(&cpu, &gpu).unwrap();
+    let [gpu, expected] = both(&design, [24, 24]);
+    same_means(&expected, &gpu).unwrap();
+    let cpu = repeats(&mut cpu, &request(&design, [24, 24]), 1000);
+    same_means(&expected, &cpu).unwrap();
     // Fewer orders of bounced light show.
     design.quality.bounces = 6;
     let [fewer, _] = both(&design, [24, 24]);
-    assert!(same_means(&cpu, &fewer).is_err());
+    assert!(same_means(&expected, &fewer).is_err());
 }
 
 /// 24 × 24 pixels of the middle of a picture.
@@ -51,12 +57,12 @@ fn the_estimate_is_near_the_traced_light() {
             .cameras
             .sort_by_key(|other| other.name != camera);
         design.quality.traced_bounces = 0;
-        let traced = mean_luminance(&on_cpu(&detail(&design)));
+        let traced = mean_luminance(&on_reference(&detail(&design)));
         // A tenth is what the estimate claims after the first scattering, a fifth after later ones; the sampling error
         // of these means is 1 %.
         for (after, least) in [(1, 0.9), (4, 0.8)] {
             design.quality.traced_bounces = after;
-            let ratio = mean_luminance(&on_cpu(&detail(&design))) / traced;
+            let ratio = mean_luminance(&on_reference(&detail(&design))) / traced;
             assert!(
                 (least..1.1).contains(&ratio),
                 "{camera}, after {after}: {ratio}"
@@ -64,7 +70,7 @@ fn the_estimate_is_near_the_traced_light() {
         }
         // What is left out without it is far more.
         (design.quality.traced_bounces, design.quality.bounces) = (0, 1);
-        let ratio = mean_luminance(&on_cpu(&detail(&design))) / traced;
+        let ratio = mean_luminance(&on_reference(&detail(&design))) / traced;
         assert!(ratio < 0.5, "{camera}: {ratio}");
         design.quality.bounces = 64;
     }
@@ -75,12 +81,12 @@ fn nothing_is_estimated_where_every_bounce_is_traced() {
     let mut design = small_towel();
     design.quality.method = Method::Tracked;
     (design.quality.bounces, design.quality.samples) = (4, 2);
-    let traced = on_cpu(&request(&design, [24, 20]));
+    let traced = on_reference(&request(&design, [24, 20]));
     for after in [4, 5, 64] {
         design.quality.traced_bounces = after;
-        assert_eq!(on_cpu(&request(&design, [24, 20])), traced, "{after}");
+        assert_eq!(on_reference(&request(&design, [24, 20])), traced, "{after}");
     }
     design.quality.traced_bounces = 3;
-    let closed = on_cpu(&request(&design, [24, 20]));
+    let closed = on_reference(&request(&design, [24, 20]));
     assert!(rel_rmse(&closed, &traced).unwrap() > 0.001);
 }

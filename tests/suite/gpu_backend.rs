@@ -15,7 +15,9 @@ use renderer_core::render::{Backend, RenderError, RenderRequest, Settings, Skip}
 use towel_designer::files::keep_pipelines;
 
 use crate::support::compare::shows_something;
-use crate::support::device::{context, exact_gpu, finish, finish_in_slices, gpu};
+use crate::support::device::{
+    context, exact_gpu, finish, finish_in_slices, gpu, on_reference, reference,
+};
 use crate::support::scenes::{request, small_towel};
 
 const SIZE: [u32; 2] = [40, 35];
@@ -368,6 +370,11 @@ type Edit = (&'static str, fn(&mut Design));
 
 #[test]
 fn a_changed_scene_is_drawn_as_by_a_new_backend() {
+    assert_changes_are_drawn_as_by_a_new_backend(&|| Box::new(gpu()));
+}
+
+/// A backend that has drawn other scenes draws the next one as if it were its first.
+pub fn assert_changes_are_drawn_as_by_a_new_backend(new: &dyn Fn() -> Box<dyn Backend>) {
     let edits: [Edit; 13] = [
         ("looks", |d| d.chart.colour = Colour([90, 30, 200])),
         ("loops", |d| d.turbulence.seed += 1),
@@ -395,21 +402,21 @@ fn a_changed_scene_is_drawn_as_by_a_new_backend() {
     ];
     let mut design = small_towel();
     let mut compiler = renderer_core::scene::Compiler::default();
-    let mut kept = gpu();
+    let mut kept = new();
     let mut made = |design: &Design| RenderRequest {
         scene: compiler.compile(design).unwrap(),
         ..request(design, SIZE)
     };
-    let mut before = finish(&mut kept, &made(&design));
+    let mut before = finish(kept.as_mut(), &made(&design));
     for (what, edit) in edits {
         edit(&mut design);
         let request = made(&design);
-        let picture = finish(&mut kept, &request);
+        let picture = finish(kept.as_mut(), &request);
         shows_something(&picture).unwrap_or_else(|error| panic!("{what}: {error}"));
         assert_ne!(bits(&picture), bits(&before), "{what} shows");
         assert_eq!(
             bits(&picture),
-            bits(&finish(&mut gpu(), &request)),
+            bits(&finish(new().as_mut(), &request)),
             "{what}"
         );
         before = picture;
@@ -434,7 +441,7 @@ fn targets_may_grow_and_other_changes_start_again() {
 }
 
 #[test]
-fn the_error_estimate_is_the_processors_and_ends_the_picture() {
+fn the_error_estimate_is_the_references_and_ends_the_picture() {
     let mut design = small_towel();
     design.quality.samples = 4096;
     design.quality.error = 0.15;
@@ -442,7 +449,8 @@ fn the_error_estimate_is_the_processors_and_ends_the_picture() {
     let never = AtomicBool::new(false);
     let mut ends = Vec::new();
     for backend in [
-        &mut exact_gpu() as &mut dyn Backend,
+        &mut reference() as &mut dyn Backend,
+        &mut exact_gpu(),
         &mut CpuBackend::default(),
     ] {
         backend.begin(&request).unwrap();
@@ -455,20 +463,20 @@ fn the_error_estimate_is_the_processors_and_ends_the_picture() {
             progress.error_estimate.expect("enough samples"),
         ));
     }
-    let [(gpu_samples, gpu), (cpu_samples, cpu)] = ends[..] else {
-        panic!("two backends")
-    };
-    assert_eq!(gpu_samples, cpu_samples);
+    let (samples, expected) = ends[0];
     assert!(
-        (16..4096).contains(&gpu_samples) && gpu <= 0.15,
-        "{gpu_samples} {gpu}"
+        (16..4096).contains(&samples) && expected <= 0.15,
+        "{samples} {expected}"
     );
-    // The same samples but for a few that turn on rounding.
-    assert!((gpu - cpu).abs() < 0.01 * cpu, "{gpu} and {cpu}");
+    for &(other, error) in &ends[1..] {
+        assert_eq!(samples, other);
+        // The same samples but for a few that turn on rounding.
+        assert!((error - expected).abs() < 0.01 * expected, "{ends:?}");
+    }
 }
 
 #[test]
-fn counters_are_the_processors_but_for_what_is_skipped() {
+fn counters_are_the_references_but_for_what_is_skipped() {
     for (method, bounces) in [(Method::Single, 1), (Method::Layered, 1)] {
         let mut design = small_towel();
         (design.quality.method, design.quality.bounces) = (method, bounces);
@@ -479,51 +487,57 @@ fn counters_are_the_processors_but_for_what_is_skipped() {
         request.settings.counters = true;
         finish(&mut backend, &request);
         let gpu = backend.counters().unwrap();
-        let mut processor = CpuBackend::default();
-        finish(&mut processor, &request);
-        let cpu = processor.counters().unwrap();
-        assert_eq!(gpu.rays, cpu.rays);
+        let mut plain = reference();
+        finish(&mut plain, &request);
+        let all = plain.counters().unwrap();
+        assert_eq!(gpu.rays, all.rays);
         assert_eq!(gpu.rays, u64::from(SIZE[0] * SIZE[1]));
         // A ray near an edge may turn on rounding.
-        assert!(gpu.shadow_rays.abs_diff(cpu.shadow_rays) <= 2);
+        assert!(gpu.shadow_rays.abs_diff(all.shadow_rays) <= 2);
         // What lies behind ground yarns, or behind the event that ends a ray, is not looked at.
-        for (name, gpu, cpu) in [
-            ("cells", gpu.cells, cpu.cells),
-            ("patch tests", gpu.patch_tests, cpu.patch_tests),
-            ("volume samples", gpu.volume_samples, cpu.volume_samples),
-            ("hits", gpu.contributing_hits, cpu.contributing_hits),
+        for (name, gpu, all) in [
+            ("cells", gpu.cells, all.cells),
+            ("patch tests", gpu.patch_tests, all.patch_tests),
+            ("volume samples", gpu.volume_samples, all.volume_samples),
+            ("hits", gpu.contributing_hits, all.contributing_hits),
         ] {
             assert!(
-                gpu > cpu / 3 && gpu <= cpu + cpu / 500,
-                "{name}: {gpu} of {cpu}"
+                gpu > all / 3 && gpu <= all + all / 500,
+                "{name}: {gpu} of {all}"
             );
         }
     }
 }
 
 #[test]
-fn extra_channels_are_the_processors() {
+fn extra_channels_are_the_references() {
     let mut request = request(&small_towel(), SIZE);
     request.settings.aov = true;
-    let gpu = finish(&mut exact_gpu(), &request);
-    let cpu = finish(&mut CpuBackend::default(), &request);
-    let (gpu, cpu) = (gpu.aov.expect("asked for"), cpu.aov.expect("asked for"));
-    let mut covered = 0;
-    for index in 0..gpu.depth.len() {
-        covered += u32::from(cpu.depth[index] > 0.0);
-        let near = |a: f32, b: f32, by: f32| (a - b).abs() <= by;
-        let same = near(gpu.depth[index], cpu.depth[index], 1e-3)
-            && (0..3).all(|c| {
-                near(gpu.normal[index][c], cpu.normal[index][c], 1e-3)
-                    && near(gpu.albedo[index][c], cpu.albedo[index][c], 1e-3)
-            });
-        assert!(
-            same,
-            "pixel {index}: {} {}",
-            gpu.depth[index], cpu.depth[index]
-        );
+    let expected = on_reference(&request).aov.expect("asked for");
+    for backend in [
+        &mut exact_gpu() as &mut dyn Backend,
+        &mut CpuBackend::default(),
+    ] {
+        let drawn = finish(backend, &request).aov.expect("asked for");
+        let mut covered = 0;
+        for index in 0..drawn.depth.len() {
+            covered += u32::from(expected.depth[index] > 0.0);
+            let near = |a: f32, b: f32| (a - b).abs() <= 1e-3;
+            let same = near(drawn.depth[index], expected.depth[index])
+                && (0..3).all(|c| {
+                    near(drawn.normal[index][c], expected.normal[index][c])
+                        && near(drawn.albedo[index][c], expected.albedo[index][c])
+                });
+            assert!(
+                same,
+                "{}, pixel {index}: {} {}",
+                backend.kind().name(),
+                drawn.depth[index],
+                expected.depth[index]
+            );
+        }
+        assert!(covered > 300, "{covered}");
     }
-    assert!(covered > 300, "{covered}");
 }
 
 /// The display texture's bytes.

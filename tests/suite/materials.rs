@@ -1,5 +1,6 @@
 //! Rows of the length table that bring their own yarn: a loop of such a row looks like one of a pile that is made so.
 
+use renderer_core::cpu::CpuBackend;
 use renderer_core::design::{
     ChartImage, Colour, Design, Fit, LengthEntry, LengthMap, Method, Phase, PileKind,
 };
@@ -8,7 +9,7 @@ use renderer_core::image::Picture;
 use renderer_core::scene::compile;
 
 use crate::support::compare::{same_samples, shows_something};
-use crate::support::device::{exact_gpu, finish, on_cpu};
+use crate::support::device::{exact_gpu, finish, on_reference};
 use crate::support::scenes::{request, small_towel};
 
 const SIZE: [u32; 2] = [40, 32];
@@ -62,11 +63,18 @@ const KINDS: [(&str, Phase, Own); 5] = [
     ),
 ];
 
-/// The pictures of both backends.
-fn pictures(gpu: &mut GpuBackend, design: &Design) -> [Picture; 2] {
+/// The pictures of all backends, the reference's first.
+fn pictures(gpu: &mut GpuBackend, design: &Design) -> [Picture; 3] {
     let request = request(design, SIZE);
-    [on_cpu(&request), finish(gpu, &request)]
+    [
+        on_reference(&request),
+        finish(&mut CpuBackend::default(), &request),
+        finish(gpu, &request),
+    ]
 }
+
+/// Their names.
+const BACKENDS: [&str; 3] = ["reference", "processor", "GPU"];
 
 #[test]
 fn a_row_of_its_own_looks_like_a_pile_of_its_own() {
@@ -92,7 +100,7 @@ fn a_row_of_its_own_looks_like_a_pile_of_its_own() {
         of_row.length.table = vec![other, entry];
         let [plain, of_pile, of_row] =
             [plain, of_pile, of_row].map(|design| pictures(&mut gpu, &design));
-        for (backend, k) in [("processor", 0), ("GPU", 1)] {
+        for (k, backend) in BACKENDS.into_iter().enumerate() {
             let what = format!("{what} on the {backend}");
             shows_something(&of_row[k]).unwrap_or_else(|error| panic!("{what}: {error}"));
             // The same numbers lead to the same samples, to the last bit.
@@ -103,7 +111,7 @@ fn a_row_of_its_own_looks_like_a_pile_of_its_own() {
 }
 
 #[test]
-fn rows_side_by_side_are_the_same_on_both_backends() {
+fn rows_side_by_side_are_the_same_on_all_backends() {
     let mut gpu = exact_gpu();
     for phase in [Phase::FrameLambert, Phase::KajiyaKay] {
         let mut design = towel(phase);
@@ -126,8 +134,11 @@ fn rows_side_by_side_are_the_same_on_both_backends() {
         let materials = &compile(&design).unwrap().pile.materials;
         assert_eq!(materials.len(), 4, "the pile's own and the rows'");
         let request = request(&design, SIZE);
-        let [cpu, drawn] = pictures(&mut gpu, &design);
-        shows_something(&cpu).unwrap();
-        same_samples(&request, &cpu, &drawn).unwrap_or_else(|error| panic!("{phase:?}: {error}"));
+        let [expected, drawn @ ..] = pictures(&mut gpu, &design);
+        shows_something(&expected).unwrap();
+        for (drawn, backend) in drawn.iter().zip(&BACKENDS[1..]) {
+            same_samples(&request, &expected, drawn)
+                .unwrap_or_else(|error| panic!("{backend}, {phase:?}: {error}"));
+        }
     }
 }

@@ -1,14 +1,15 @@
-//! Same sample, same ray: sample k of a pixel is the same on the GPU and in the reference, for every shipped preset and every
-//! method without free paths, to the digits that f32 has (bounces = 1).
+//! Same sample, same ray: sample k of a pixel is the same in the reference and on the GPU, for every shipped preset and every
+//! method without free paths, to the digits that f32 has (bounces = 1). `cpu` holds the processor to the same.
 
 use renderer_core::design::{Design, Method};
 use renderer_core::image::{Picture, metrics};
+use renderer_core::render::Backend;
 
-use crate::support::device::{exact_gpu, finish, gpu, on_cpu};
+use crate::support::device::{exact_gpu, finish, gpu, on_reference};
 use crate::support::same_sample::{SAME_SHARE, same_picture};
 use crate::support::scenes::{preset_paths, request, small_towel};
 
-/// The methods whose samples are the same on both sides.
+/// The methods whose samples are the same in the reference and on the GPU.
 const METHODS: [Method; 3] = [Method::Single, Method::Layered, Method::Exact];
 
 /// Every preset with its name, with one scattering.
@@ -21,17 +22,27 @@ fn presets() -> impl Iterator<Item = (String, Design)> {
     })
 }
 
-/// Draws every preset by every method and compares.
-fn compare_presets(samples: &[u32], crop: Option<[u32; 4]>, most_flips: usize) {
-    let mut gpu = exact_gpu();
+/// Most flips in a picture of 128 × 128 pixels.
+pub const MOST_FLIPS: usize = ((1.0 - SAME_SHARE) * 128.0 * 128.0) as usize;
+/// A part of that picture, and most flips in it: a thousandth would be one pixel; by chance it is now and then four.
+pub const PART: ([u32; 4], usize) = ([40, 50, 40, 24], 4);
+
+/// Draws every preset by every method and compares with the reference.
+pub fn compare_presets(
+    backend: &mut dyn Backend,
+    methods: &[Method],
+    samples: &[u32],
+    crop: Option<[u32; 4]>,
+    most_flips: usize,
+) {
     for (name, mut design) in presets() {
-        for method in METHODS {
+        for &method in methods {
             for &count in samples {
                 (design.quality.method, design.quality.samples) = (method, count);
                 let mut request = request(&design, [128, 128]);
                 request.crop = crop.unwrap_or(request.crop);
-                let expected = on_cpu(&request);
-                let drawn = finish(&mut gpu, &request);
+                let expected = on_reference(&request);
+                let drawn = finish(backend, &request);
                 let what = format!("{name}, {}, {count} samples", method.name());
                 // Flips of `layered`, one in several ten thousand pixels, are not all at edges that a nudge of the camera's
                 // ray finds: one that was looked into is at an edge of the shadow ray.
@@ -47,14 +58,13 @@ fn compare_presets(samples: &[u32], crop: Option<[u32; 4]>, most_flips: usize) {
 #[test]
 #[ignore = "long: about 90 s"]
 fn every_preset_is_the_same_picture_on_both_sides() {
-    let flips = (1.0 - SAME_SHARE) * 128.0 * 128.0;
-    compare_presets(&[1, 4], None, flips as usize);
+    compare_presets(&mut exact_gpu(), &METHODS, &[1, 4], None, MOST_FLIPS);
 }
 
 #[test]
 fn a_part_of_every_preset_is_the_same_on_both_sides() {
-    // A thousandth would be one pixel; by chance it is now and then four.
-    compare_presets(&[1], Some([40, 50, 40, 24]), 4);
+    let (crop, flips) = PART;
+    compare_presets(&mut exact_gpu(), &METHODS, &[1], Some(crop), flips);
 }
 
 #[test]
@@ -94,7 +104,7 @@ fn the_comparator_refuses_wrong_pictures() {
     let mut design = small_towel();
     design.quality.samples = 4;
     let request = request(&design, [48, 40]);
-    let right = on_cpu(&request);
+    let right = on_reference(&request);
     let refused = |wrong: &Picture| same_picture(&request, &right, wrong, 2, true).is_err();
     assert!(!refused(&right));
 
@@ -140,7 +150,7 @@ fn the_comparator_refuses_wrong_pictures() {
         });
         assert!(refused(&wrong), "one pixel times {by}");
     }
-    let samples_of_another = on_cpu(&{
+    let samples_of_another = on_reference(&{
         let mut other = request.clone();
         other.settings.seed += 1;
         other

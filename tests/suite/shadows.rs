@@ -8,7 +8,7 @@ use renderer_core::image::Picture;
 use renderer_core::render::{Backend, RenderError};
 
 use crate::support::compare::{same_means, same_samples};
-use crate::support::device::{exact_gpu, finish, gpu, on_cpu, repeats};
+use crate::support::device::{exact_gpu, finish, gpu, on_reference, reference, repeats};
 use crate::support::scenes::{request, small_towel};
 
 /// Isotropic pile without yarns, so that a point's light has a closed form.
@@ -34,8 +34,12 @@ fn without_shadows_every_point_has_all_its_light() {
             suns / (4.0 * PI) + lights.environment[c]
         });
         assert!(light.iter().all(|&light| light > 0.0));
-        for backend in [&mut gpu() as &mut dyn Backend, &mut CpuBackend::default()] {
-            // The GPU does not draw all methods.
+        for backend in [
+            &mut gpu() as &mut dyn Backend,
+            &mut CpuBackend::default(),
+            &mut reference(),
+        ] {
+            // Only the reference draws all methods.
             if matches!(backend.begin(&request), Err(RenderError::Method { .. })) {
                 continue;
             }
@@ -58,9 +62,9 @@ fn without_shadows_every_point_has_all_its_light() {
         // With shadows most of these points have less, and none has more.
         request.settings.shadows = true;
         let (lit, shaded) = {
-            let shaded = on_cpu(&request);
+            let shaded = on_reference(&request);
             request.settings.shadows = false;
-            (on_cpu(&request), shaded)
+            (on_reference(&request), shaded)
         };
         let darker = lit.pixels.iter().zip(&shaded.pixels);
         let darker = darker.filter(|(lit, shaded)| shaded[1] < 0.9 * lit[1]);
@@ -69,7 +73,7 @@ fn without_shadows_every_point_has_all_its_light() {
 }
 
 #[test]
-fn both_samplers_and_no_shadows_draw_the_same_samples_on_both_backends() {
+fn both_samplers_and_no_shadows_draw_the_same_samples_on_all_backends() {
     let mut design = small_towel();
     let pictures: Vec<Picture> = [
         (Sampler::Owen, false),
@@ -80,9 +84,15 @@ fn both_samplers_and_no_shadows_draw_the_same_samples_on_both_backends() {
     .map(|(sampler, shadows)| {
         (design.quality.sampler, design.quality.shadows) = (sampler, shadows);
         let request = request(&design, [40, 32]);
-        let expected = on_cpu(&request);
-        same_samples(&request, &expected, &finish(&mut exact_gpu(), &request))
-            .unwrap_or_else(|error| panic!("{sampler:?}, shadows {shadows}: {error}"));
+        let expected = on_reference(&request);
+        for backend in [
+            &mut exact_gpu() as &mut dyn Backend,
+            &mut CpuBackend::default(),
+        ] {
+            let name = backend.kind().name();
+            same_samples(&request, &expected, &finish(backend, &request))
+                .unwrap_or_else(|error| panic!("{name}, {sampler:?}, shadows {shadows}: {error}"));
+        }
         expected
     })
     .collect();
@@ -90,7 +100,7 @@ fn both_samplers_and_no_shadows_draw_the_same_samples_on_both_backends() {
 }
 
 #[test]
-fn paths_without_shadows_have_the_same_expectation_on_both_backends() {
+fn paths_without_shadows_have_the_same_expectation_on_all_backends() {
     let mut design = small_towel();
     design.quality.shadows = false;
     design.quality.sampler = Sampler::Random;
@@ -98,8 +108,11 @@ fn paths_without_shadows_have_the_same_expectation_on_both_backends() {
     for (method, bounces) in [(Method::Tracked, 4), (Method::Single, 3)] {
         (design.quality.method, design.quality.bounces) = (method, bounces);
         let request = request(&design, [24, 24]);
-        let gpu = repeats(&mut gpu(), &request, 100);
-        let cpu = repeats(&mut CpuBackend::default(), &request, 900);
-        same_means(&cpu, &gpu).unwrap_or_else(|error| panic!("{method:?}: {error}"));
+        let expected = repeats(&mut reference(), &request, 900);
+        for backend in [&mut gpu() as &mut dyn Backend, &mut CpuBackend::default()] {
+            let name = backend.kind().name();
+            same_means(&expected, &repeats(backend, &request, 100))
+                .unwrap_or_else(|error| panic!("{name}, {method:?}: {error}"));
+        }
     }
 }

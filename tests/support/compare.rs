@@ -1,5 +1,5 @@
 //! Comparators of pictures. Each is tried on pictures that are wrong in a known way, which it must refuse
-//! (`gpu_vs_cpu::the_comparators_refuse_wrong_pictures`).
+//! (`gpu_vs_reference::the_comparators_refuse_wrong_pictures`).
 
 use glam::{DVec2, DVec3};
 

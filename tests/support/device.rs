@@ -6,9 +6,9 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use super::compare::REPEATS;
-use renderer_core::cpu::CpuBackend;
 use renderer_core::gpu::{GpuBackend, GpuContext};
 use renderer_core::image::Picture;
+use renderer_core::reference::ReferenceBackend;
 use renderer_core::render::{Backend, RenderRequest};
 
 /// The one device of all tests.
@@ -25,7 +25,7 @@ pub fn context() -> GpuContext {
         .clone()
 }
 
-/// A GPU backend that filters voxels as exactly as the processor does, for comparisons to the last digits.
+/// A GPU backend that filters voxels as exactly as the reference does, for comparisons to the last digits.
 pub fn exact_gpu() -> GpuBackend {
     let mut backend = gpu();
     backend.set_filter_f32(true);
@@ -69,7 +69,12 @@ pub fn repeats(
         .collect()
 }
 
-/// The picture of the processor.
-pub fn on_cpu(request: &RenderRequest) -> Picture {
-    finish(&mut CpuBackend::default(), request)
+/// The reference on all cores: what every other backend is held to.
+pub fn reference() -> ReferenceBackend {
+    ReferenceBackend::on_all_cores()
+}
+
+/// The picture that the reference draws.
+pub fn on_reference(request: &RenderRequest) -> Picture {
+    finish(&mut reference(), request)
 }

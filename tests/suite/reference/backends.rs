@@ -1,4 +1,4 @@
-//! The CPU and the reference backend: the same bytes whatever the slices, threads and pauses.
+//! The backends on processors: the same bytes whatever the slices, threads and pauses.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -12,7 +12,8 @@ use renderer_core::image::metrics;
 use renderer_core::reference::ReferenceBackend;
 use renderer_core::render::accumulation::{Accumulation, Pass, Sample};
 use renderer_core::render::{
-    Backend, BackendKind, Camera, Progress, RenderError, RenderRequest, Settings, Skips,
+    Backend, BackendKind, Camera, Counters, Progress, RenderError, RenderRequest, Settings, Skip,
+    Skips,
 };
 use renderer_core::scene::compile;
 
@@ -73,61 +74,96 @@ fn render(backend: &mut dyn Backend, request: &RenderRequest, slice: Duration) -
     backend.picture().expect("no device can fail")
 }
 
+/// Makes a backend.
+type Make = fn() -> Box<dyn Backend>;
+
+/// The backends that use all cores, and the methods that each draws.
+const ON_ALL_CORES: [(Make, &[Method]); 2] = [
+    (|| Box::new(CpuBackend::default()), FAST_METHODS),
+    (|| Box::new(ReferenceBackend::on_all_cores()), Method::ALL),
+];
+
+/// The methods of the fast renderer.
+const FAST_METHODS: &[Method] = &[Method::Single, Method::Layered, Method::Tracked];
+
+/// Does something with so many threads.
+fn on_threads<T: Send>(count: usize, work: impl FnOnce() -> T + Send) -> T {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build();
+    pool.expect("threads").install(work)
+}
+
+fn counters(backend: &mut dyn Backend) -> Counters {
+    backend.counters().expect("no device can fail")
+}
+
 #[test]
 fn same_bytes_whatever_slices_and_threads() {
-    for &method in METHODS {
-        let request = request(method);
-        let mut reference = ReferenceBackend::default();
-        let expected = render(&mut reference, &request, FOREVER);
-        let counters = reference.counters().expect("no device can fail");
-        let lit = expected.pixels.iter().filter(|p| p[3] > 0.5 && p[0] > 0.01);
-        assert!(
-            lit.count() > 500,
-            "the towel fills a good part of the picture"
-        );
-
-        let mut cpu = CpuBackend::default();
-        for slice in [FOREVER, Duration::ZERO, Duration::from_micros(300)] {
+    for (make, methods) in ON_ALL_CORES {
+        for &method in methods {
+            let request = request(method);
+            let (expected, counted) = on_threads(1, || {
+                let mut backend = make();
+                let picture = render(backend.as_mut(), &request, FOREVER);
+                (picture, counters(backend.as_mut()))
+            });
+            let lit = expected.pixels.iter().filter(|p| p[3] > 0.5 && p[0] > 0.01);
             assert!(
-                render(&mut cpu, &request, slice) == expected,
-                "{method:?} {slice:?}"
+                lit.count() > 500,
+                "the towel fills a good part of the picture"
             );
-            assert_eq!(cpu.counters().expect("no device can fail"), counters);
-            // Something else in between, so that the next round starts anew.
+
+            let mut used = make();
+            let name = used.kind().name();
+            for slice in [FOREVER, Duration::ZERO, Duration::from_micros(300)] {
+                assert!(
+                    render(used.as_mut(), &request, slice) == expected,
+                    "{name} {method:?} {slice:?}"
+                );
+                assert_eq!(counters(used.as_mut()), counted);
+                // Something else in between, so that the next round starts anew.
+                let mut other = request.clone();
+                other.settings.seed += 1;
+                assert!(render(used.as_mut(), &other, FOREVER) != expected);
+            }
+            // Another cloth in between.
             let mut other = request.clone();
-            other.settings.seed += 1;
-            assert!(render(&mut cpu, &other, FOREVER) != expected);
+            other.scene = Arc::new(wild_towel(Interpolation::Linear));
+            let picture = render(used.as_mut(), &other, FOREVER);
+            assert!(picture == render(make().as_mut(), &other, FOREVER));
+            assert!(picture != expected);
+            assert!(render(used.as_mut(), &request, FOREVER) == expected);
+            // Another number of threads than the machine's.
+            let picture = on_threads(3, || render(make().as_mut(), &request, FOREVER));
+            assert!(picture == expected, "{name} {method:?} on three threads");
+            if used.kind() == BackendKind::Reference {
+                let alone = render(&mut ReferenceBackend::default(), &request, FOREVER);
+                assert!(alone == expected, "{method:?} on one core");
+            }
         }
-        // Another cloth in between.
-        let mut other = request.clone();
-        other.scene = Arc::new(wild_towel(Interpolation::Linear));
-        let picture = render(&mut cpu, &other, FOREVER);
-        assert!(picture == render(&mut CpuBackend::default(), &other, FOREVER));
-        assert!(picture != expected);
-        assert!(render(&mut cpu, &request, FOREVER) == expected);
-        // Another number of threads than the machine's.
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build();
-        let threads = pool.expect("three threads");
-        let picture = threads.install(|| render(&mut CpuBackend::default(), &request, FOREVER));
-        assert!(picture == expected, "{method:?} on three threads");
     }
 }
 
 #[test]
 fn crops_are_parts_of_the_whole() {
-    let mut request = request(Method::Single);
-    let whole = render(&mut CpuBackend::default(), &request, FOREVER);
-    let [x, y, width, height] = [13, 9, 30, 33];
-    request.crop = [x, y, width, height];
-    let crop = render(&mut CpuBackend::default(), &request, FOREVER);
-    assert_eq!(crop.size, [width, height]);
-    for row in 0..height as usize {
-        let start = (row + y as usize) * whole.size[0] as usize + x as usize;
-        let expected = &whole.pixels[start..start + width as usize];
-        assert_eq!(
-            &crop.pixels[row * width as usize..][..width as usize],
-            expected
-        );
+    for (make, methods) in ON_ALL_CORES {
+        for &method in methods {
+            let mut request = request(method);
+            // What tracing makes of background is a rounding off what is put where nothing else is seen, by tiles.
+            request.settings.skips = request.settings.skips.without(Skip::BackgroundTiles);
+            let whole = render(make().as_mut(), &request, FOREVER);
+            let [x, y, width, height] = [13, 9, 30, 33];
+            request.crop = [x, y, width, height];
+            let crop = render(make().as_mut(), &request, FOREVER);
+            assert_eq!(crop.size, [width, height]);
+            for row in 0..height as usize {
+                let start = (row + y as usize) * whole.size[0] as usize + x as usize;
+                let expected = &whole.pixels[start..start + width as usize];
+                assert_eq!(
+                    &crop.pixels[row * width as usize..][..width as usize],
+                    expected
+                );
+            }
+        }
     }
 }
 
@@ -137,7 +173,7 @@ fn a_coarse_whole_picture_comes_first() {
     let mut cpu = CpuBackend::default();
     cpu.begin(&request).expect("a valid size");
     let mut distances = Vec::new();
-    let finished = render(&mut ReferenceBackend::default(), &request, FOREVER);
+    let finished = render(&mut CpuBackend::default(), &request, FOREVER);
     let cancel = AtomicBool::new(false);
     loop {
         let progress = cpu
@@ -164,37 +200,41 @@ fn a_coarse_whole_picture_comes_first() {
 #[test]
 fn cancelling_stops_at_once_and_loses_nothing() {
     let request = request(Method::Single);
-    let expected = render(&mut ReferenceBackend::default(), &request, FOREVER);
-    let mut cpu = CpuBackend::default();
-    cpu.begin(&request).expect("a valid size");
-    let cancelled = AtomicBool::new(true);
-    for _ in 0..3 {
-        let progress = cpu
-            .advance(FOREVER, &cancelled)
-            .expect("no device can fail");
-        assert_eq!((progress.samples, progress.done), (0, false));
+    for (make, _) in ON_ALL_CORES {
+        let expected = render(make().as_mut(), &request, FOREVER);
+        let mut backend = make();
+        backend.begin(&request).expect("a valid size");
+        let cancelled = AtomicBool::new(true);
+        for _ in 0..3 {
+            let progress = backend
+                .advance(FOREVER, &cancelled)
+                .expect("no device can fail");
+            assert_eq!((progress.samples, progress.done), (0, false));
+        }
+        finish(backend.as_mut(), Duration::from_micros(200));
+        assert!(backend.picture().expect("no device can fail") == expected);
     }
-    finish(&mut cpu, Duration::from_micros(200));
-    assert!(cpu.picture().expect("no device can fail") == expected);
 }
 
 #[test]
 fn targets_may_grow_without_a_new_start() {
-    let mut request = request(Method::Single);
-    request.settings.samples = 2;
-    let mut cpu = CpuBackend::default();
-    render(&mut cpu, &request, FOREVER);
-    let rays = cpu.counters().expect("no device can fail").rays;
-    request.settings.samples = 5;
-    let grown = render(&mut cpu, &request, FOREVER);
-    let all = cpu.counters().expect("no device can fail").rays;
-    assert!(rays * 2 < all && all < rays * 3, "{rays} then {all}");
-    assert!(grown == render(&mut ReferenceBackend::default(), &request, FOREVER));
+    for (make, _) in ON_ALL_CORES {
+        let mut request = request(Method::Single);
+        request.settings.samples = 2;
+        let mut used = make();
+        render(used.as_mut(), &request, FOREVER);
+        let rays = counters(used.as_mut()).rays;
+        request.settings.samples = 5;
+        let grown = render(used.as_mut(), &request, FOREVER);
+        let all = counters(used.as_mut()).rays;
+        assert!(rays * 2 < all && all < rays * 3, "{rays} then {all}");
+        assert!(grown == render(make().as_mut(), &request, FOREVER));
 
-    // Fewer samples than there are: the picture of fewer samples, not the one at hand.
-    request.settings.samples = 3;
-    let shrunk = render(&mut cpu, &request, FOREVER);
-    assert!(shrunk == render(&mut ReferenceBackend::default(), &request, FOREVER));
+        // Fewer samples than there are: the picture of fewer samples, not the one at hand.
+        request.settings.samples = 3;
+        let shrunk = render(used.as_mut(), &request, FOREVER);
+        assert!(shrunk == render(make().as_mut(), &request, FOREVER));
+    }
 }
 
 #[test]
@@ -280,35 +320,56 @@ fn the_error_estimate_is_the_spread_of_four_scrambles() {
 #[test]
 fn sizes_are_checked() {
     let valid = request(Method::Single);
-    let mut cpu = CpuBackend::default();
-    let mut fault = |size, crop| {
-        let request = RenderRequest {
-            size,
-            crop,
-            ..valid.clone()
+    for (make, _) in ON_ALL_CORES {
+        let mut backend = make();
+        let mut fault = |size, crop| {
+            let request = RenderRequest {
+                size,
+                crop,
+                ..valid.clone()
+            };
+            match backend.begin(&request) {
+                Err(RenderError::Size(message)) => message,
+                other => panic!("{other:?}"),
+            }
         };
-        match cpu.begin(&request) {
-            Err(RenderError::Size(message)) => message,
-            other => panic!("{other:?}"),
+        assert!(fault([0, 5], [0, 0, 1, 1]).contains("0x5"));
+        assert!(fault([5, 20_000], [0, 0, 1, 1]).contains("16384"));
+        assert!(fault([10, 10], [5, 5, 6, 1]).contains("5,5,6,1"));
+        assert!(fault([10, 10], [0, 0, 0, 1]).contains("10x10"));
+        assert!(fault([10, 10], [u32::MAX, 0, 2, 1]).contains("4294967295"));
+    }
+}
+
+#[test]
+fn methods_that_the_fast_renderer_lacks_are_told() {
+    let mut cpu = CpuBackend::default();
+    for &method in Method::ALL {
+        let begun = cpu.begin(&request(method));
+        if FAST_METHODS.contains(&method) {
+            begun.expect("one of its methods");
+            continue;
         }
-    };
-    assert!(fault([0, 5], [0, 0, 1, 1]).contains("0x5"));
-    assert!(fault([5, 20_000], [0, 0, 1, 1]).contains("16384"));
-    assert!(fault([10, 10], [5, 5, 6, 1]).contains("5,5,6,1"));
-    assert!(fault([10, 10], [0, 0, 0, 1]).contains("10x10"));
-    assert!(fault([10, 10], [u32::MAX, 0, 2, 1]).contains("4294967295"));
+        let told = begun.expect_err("none of its methods");
+        assert!(matches!(told, RenderError::Method { .. }), "{told}");
+        let told = told.to_string();
+        assert!(
+            told.contains(&method.name()) && told.contains("--backend reference"),
+            "{told}"
+        );
+    }
 }
 
 #[test]
 fn nothing_begun_is_done_and_empty() {
-    let mut backends: [Box<dyn Backend>; 2] = [
-        Box::<CpuBackend>::default(),
-        Box::<ReferenceBackend>::default(),
-    ];
-    for (backend, kind) in backends
-        .iter_mut()
-        .zip([BackendKind::Cpu, BackendKind::Reference])
+    let kinds = [BackendKind::Cpu, BackendKind::Reference];
+    let alone: Make = || Box::new(ReferenceBackend::default());
+    let [(fast, _), (plain, _)] = ON_ALL_CORES;
+    for (make, kind) in [fast, plain, alone]
+        .into_iter()
+        .zip([kinds[0], kinds[1], kinds[1]])
     {
+        let mut backend = make();
         assert_eq!(backend.kind(), kind);
         assert!(!backend.device_name().is_empty());
         assert!(finish(backend.as_mut(), FOREVER).done);
@@ -321,9 +382,15 @@ fn nothing_begun_is_done_and_empty() {
 
 #[test]
 fn extra_channels_are_means_over_covered_samples() {
-    let mut request = request(Method::Single);
-    let mut cpu = CpuBackend::default();
-    let picture = render(&mut cpu, &request, FOREVER);
+    for (make, methods) in ON_ALL_CORES {
+        for &method in methods {
+            extra_channels_are_means(make().as_mut(), request(method));
+        }
+    }
+}
+
+fn extra_channels_are_means(backend: &mut dyn Backend, mut request: RenderRequest) {
+    let picture = render(backend, &request, FOREVER);
     let aov = picture.aov.as_ref().expect("asked for");
     let mut partly_covered = 0;
     for (index, pixel) in picture.pixels.iter().enumerate() {
@@ -342,13 +409,9 @@ fn extra_channels_are_means_over_covered_samples() {
     assert!(partly_covered > 20);
 
     request.settings.aov = false;
-    let plain = render(&mut cpu, &request, FOREVER);
+    let plain = render(backend, &request, FOREVER);
     assert!(plain.aov.is_none() && plain.pixels == picture.pixels);
     request.settings.counters = false;
-    render(&mut cpu, &request, FOREVER);
-    let counters = cpu.counters().expect("no device can fail");
-    assert_eq!(counters, renderer_core::render::Counters::default());
+    render(backend, &request, FOREVER);
+    assert_eq!(counters(backend), Counters::default());
 }
-
-/// The methods that are compared.
-const METHODS: &[Method] = Method::ALL;

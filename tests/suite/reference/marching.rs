@@ -1,7 +1,6 @@
 //! `exact` and `six-face` against every loop looked at without a grid, quadrature and closed forms.
 
 use glam::DVec3;
-use renderer_core::cpu::CpuBackend;
 use renderer_core::design::{Back, Design, Interpolation, Method, Pattern};
 use renderer_core::geometry::{Interval, Ray, clip_to_box};
 use renderer_core::image::Picture;
@@ -11,7 +10,7 @@ use renderer_core::scene::{Scene, Section, Volumes, compile};
 use super::cloth::{Random, all_loops, block, block_extent, blocks, edit_pile, request};
 use super::tracking::{optical_depth, towel_of_two_yarns};
 use crate::support::compare::same_means;
-use crate::support::device::repeats;
+use crate::support::device::{reference, repeats};
 use crate::support::scenes::small_towel;
 
 /// A tracer with steps of `step_mm`.
@@ -290,7 +289,7 @@ fn exact_and_tracked_pictures_have_the_same_expectation() {
         design.quality.method = method;
         design.pile.density *= density;
         let request = crate::support::scenes::request(&design, [24, 24]);
-        repeats(&mut CpuBackend::default(), &request, first_seed)
+        repeats(&mut reference(), &request, first_seed)
     };
     let exact = pictures(Method::Exact, 1.0, 100);
     same_means(&exact, &pictures(Method::Tracked, 1.0, 900)).unwrap();

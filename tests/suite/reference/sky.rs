@@ -1,4 +1,4 @@
-//! Light from all around that varies with direction: closed forms of which side it lights, on both backends.
+//! Light from all around that varies with direction: closed forms of which side it lights, on all backends.
 
 use std::f64::consts::{LN_2, PI, TAU};
 
@@ -14,7 +14,7 @@ use renderer_core::scene::{Scene, Sky, compile};
 
 use super::cloth::{block, block_extent, edit_lights, edit_pile, needle_camera, request};
 use crate::support::compare::{same_samples, shows_something};
-use crate::support::device::{exact_gpu, finish, gpu, on_cpu};
+use crate::support::device::{exact_gpu, finish, gpu, on_reference, reference};
 use crate::support::scenes::{request as request_of, small_towel};
 
 /// A picture of the surroundings made from directions: row 0 at the zenith, the middle towards +y, azimuths falling from
@@ -91,11 +91,14 @@ fn assert_mean(what: &str, picture: &Picture, channel: usize, expected: f64, bia
     assert!(deviation < 0.02, "{what} tells nothing: ± {deviation}");
 }
 
-/// Both backends, and the methods that each is asked for: every one on the processor, on the GPU one of each program.
-fn both() -> [(&'static str, Box<dyn Backend>, &'static [Method]); 2] {
+/// All backends, and the methods that each is asked for: every one of the reference and of the processor, on the GPU one of
+/// each program.
+fn all() -> [(&'static str, Box<dyn Backend>, &'static [Method]); 3] {
     let gpu: GpuBackend = gpu();
+    let fast = &[Method::Single, Method::Layered, Method::Tracked];
     [
-        ("processor", Box::new(CpuBackend::default()), Method::ALL),
+        ("reference", Box::new(reference()), Method::ALL),
+        ("processor", Box::new(CpuBackend::default()), fast),
         ("GPU", Box::new(gpu), &[Method::Single, Method::Tracked]),
     ]
 }
@@ -124,7 +127,7 @@ fn a_picture_lights_what_faces_its_bright_side() {
     let mut design = one_yarn();
     let environment = &mut design.light.environment;
     (environment.kind, environment.image) = (EnvironmentKind::Image, Some("sky.exr".into()));
-    for (name, mut backend, methods) in both() {
+    for (name, mut backend, methods) in all() {
         for ((side, white), rotation, normal, expected) in cases {
             design.light.environment.pixels = Some(half(white));
             design.light.environment.rotation = rotation;
@@ -155,7 +158,7 @@ fn a_gradient_lights_by_its_closed_form() {
         (DVec3::Z, [0.7, 0.3, 0.0]),
         (-DVec3::Z, [0.0, 1.0 - ground, ground]),
     ];
-    for (name, mut backend, methods) in both() {
+    for (name, mut backend, methods) in all() {
         for (normal, expected) in cases {
             for &method in methods {
                 let request = look_at_yarn(scene.clone(), normal, method);
@@ -183,7 +186,7 @@ fn a_deep_isotropic_block_is_lit_from_the_right_side() {
     let mut scene = block(1);
     edit_pile(&mut scene, |pile| pile.materials[0].density_per_mm = 60.0);
     let (middle, _) = block_extent(&scene);
-    for (name, mut backend, _) in both() {
+    for (name, mut backend, _) in all() {
         for ((side, white), expected) in cases {
             let mut scene = scene.clone();
             edit_lights(&mut scene, |lights| {
@@ -224,7 +227,7 @@ fn equal_surroundings() -> [Design; 3] {
 
 #[test]
 fn equal_colours_all_around_are_a_constant_light() {
-    let mut gpu = exact_gpu();
+    let (mut cpu, mut gpu) = (CpuBackend::default(), exact_gpu());
     for (method, bounces) in [
         (Method::Single, 1),
         (Method::Layered, 3),
@@ -234,10 +237,14 @@ fn equal_colours_all_around_are_a_constant_light() {
             (design.quality.method, design.quality.bounces) = (method, bounces);
             design.quality.samples = 2;
             let request = request_of(&design, [24, 20]);
-            [on_cpu(&request), finish(&mut gpu, &request)]
+            [
+                on_reference(&request),
+                finish(&mut cpu, &request),
+                finish(&mut gpu, &request),
+            ]
         });
         let [constant, gradient, image] = &pictures;
-        for (backend, k) in [("processor", 0), ("GPU", 1)] {
+        for (k, backend) in ["reference", "processor", "GPU"].into_iter().enumerate() {
             shows_something(&constant[k]).unwrap();
             for (kind, other) in [("gradient", gradient), ("image", image)] {
                 for (a, b) in constant[k].pixels.iter().zip(&other[k].pixels) {
@@ -251,8 +258,8 @@ fn equal_colours_all_around_are_a_constant_light() {
 }
 
 #[test]
-fn both_backends_draw_the_same_samples_under_every_sky() {
-    let mut gpu = exact_gpu();
+fn all_backends_draw_the_same_samples_under_every_sky() {
+    let (mut cpu, mut gpu) = (CpuBackend::default(), exact_gpu());
     for (kind, method, phase) in [
         (EnvironmentKind::Gradient, Method::Single, Phase::Isotropic),
         (EnvironmentKind::Image, Method::Single, Phase::KajiyaKay),
@@ -270,16 +277,19 @@ fn both_backends_draw_the_same_samples_under_every_sky() {
             [wave(0.0), wave(1.0), wave(2.0) * (1.0 + d.z as f32)]
         }));
         let request = request_of(&design, [48, 40]);
-        let expected = on_cpu(&request);
+        let expected = on_reference(&request);
         shows_something(&expected).unwrap();
-        let drawn = finish(&mut gpu, &request);
-        same_samples(&request, &expected, &drawn)
-            .unwrap_or_else(|error| panic!("{kind:?} {method:?}: {error}"));
-        // The comparison sees a picture turned by a fifth of a degree.
-        if kind == EnvironmentKind::Image {
-            design.light.environment.rotation += 0.2;
-            let turned = finish(&mut gpu, &request_of(&design, [48, 40]));
-            assert!(same_samples(&request, &expected, &turned).is_err());
+        design.light.environment.rotation += 0.2;
+        let turned = request_of(&design, [48, 40]);
+        for backend in [&mut cpu as &mut dyn Backend, &mut gpu] {
+            let name = backend.kind().name();
+            same_samples(&request, &expected, &finish(backend, &request))
+                .unwrap_or_else(|error| panic!("{name}, {kind:?} {method:?}: {error}"));
+            // The comparison sees a picture turned by a fifth of a degree.
+            if kind == EnvironmentKind::Image {
+                let turned = finish(backend, &turned);
+                assert!(same_samples(&request, &expected, &turned).is_err());
+            }
         }
     }
 }
@@ -294,13 +304,17 @@ fn a_sky_that_gives_no_light_is_none() {
     environment.pixels = Some(half(|_| true));
     let mut dark = small_towel();
     dark.light.environment.radiance = 0.0;
-    let [a, b] = [design, dark].map(|design| {
-        let mut request = request_of(&design, [16, 16]);
-        request.settings.counters = true;
-        let mut backend = CpuBackend::default();
-        let picture = finish(&mut backend, &request);
-        (picture.pixels, backend.counters().unwrap().shadow_rays)
-    });
-    assert!(a == b);
-    assert!(a.0.iter().any(|pixel| pixel[3] > 0.0), "cloth is seen");
+    for backend in [
+        &mut reference() as &mut dyn Backend,
+        &mut CpuBackend::default(),
+    ] {
+        let [a, b] = [&design, &dark].map(|design| {
+            let mut request = request_of(design, [16, 16]);
+            request.settings.counters = true;
+            let picture = finish(backend, &request);
+            (picture.pixels, backend.counters().unwrap().shadow_rays)
+        });
+        assert!(a == b);
+        assert!(a.0.iter().any(|pixel| pixel[3] > 0.0), "cloth is seen");
+    }
 }

@@ -1,4 +1,4 @@
-//! Extreme cameras and extreme pile: finite everywhere, and the device draws what the processor draws.
+//! Extreme cameras and extreme pile: finite everywhere, and device and processor draw what the reference draws.
 
 use renderer_core::cpu::CpuBackend;
 use renderer_core::design::{Design, Method, PileKind};
@@ -8,7 +8,7 @@ use renderer_core::reference::ReferenceBackend;
 use renderer_core::render::Backend;
 
 use crate::support::compare::{same_means, same_samples, shows_something};
-use crate::support::device::{exact_gpu, finish, gpu, on_cpu, repeats};
+use crate::support::device::{exact_gpu, finish, gpu, on_reference, reference, repeats};
 use crate::support::scenes::{request, small_towel};
 
 const SIZE: [u32; 2] = [20, 16];
@@ -75,22 +75,25 @@ fn assert_agree(exact: &mut GpuBackend, what: &str, design: &Design, methods: &[
     for &method in methods {
         design.quality.method = method;
         let request = request(&design, SIZE);
-        let expected = on_cpu(&request);
+        let expected = on_reference(&request);
         assert!(finite(&expected), "{what}, {method:?}");
         let alone = finish(&mut ReferenceBackend::default(), &request);
         assert_eq!(expected.pixels, alone.pixels, "{what}, {method:?}");
-        // Some methods are not for the device.
-        if exact.begin(&request).is_err() {
-            continue;
-        }
-        let drawn = finish(exact, &request);
-        assert!(finite(&drawn), "{what}, {method:?}");
-        shows_something(&drawn).unwrap_or_else(|error| panic!("{what}, {method:?}: {error}"));
-        // In the densest pile a ray ends at the first piece that is not quite empty, and rounding decides which is.
-        let ends_by_rounding = method == Method::Exact && design.pile.density > 1e5;
-        if method != Method::Tracked && !ends_by_rounding {
-            same_samples(&request, &expected, &drawn)
-                .unwrap_or_else(|error| panic!("{what}, {method:?}: {error}"));
+        for backend in [&mut *exact as &mut dyn Backend, &mut CpuBackend::default()] {
+            // Some methods are for the reference alone.
+            if backend.begin(&request).is_err() {
+                continue;
+            }
+            let what = format!("{what}, {method:?}, {}", backend.kind().name());
+            let drawn = finish(backend, &request);
+            assert!(finite(&drawn), "{what}");
+            shows_something(&drawn).unwrap_or_else(|error| panic!("{what}: {error}"));
+            // In the densest pile a ray ends at the first piece that is not quite empty, and rounding decides which is.
+            let ends_by_rounding = method == Method::Exact && design.pile.density > 1e5;
+            if method != Method::Tracked && !ends_by_rounding {
+                same_samples(&request, &expected, &drawn)
+                    .unwrap_or_else(|error| panic!("{what}: {error}"));
+            }
         }
     }
 }
@@ -127,9 +130,12 @@ fn extreme_cameras_and_piles_have_the_same_expectation() {
         design.quality.method = Method::Tracked;
         (design.quality.samples, design.quality.bounces) = (4, 3);
         let request = request(&design, [16, 12]);
-        let gpu = repeats(&mut gpu(), &request, 100);
-        let cpu = repeats(&mut CpuBackend::default(), &request, 200);
-        same_means(&cpu, &gpu).unwrap_or_else(|error| panic!("{what}: {error}"));
+        let expected = repeats(&mut reference(), &request, 200);
+        for backend in [&mut gpu() as &mut dyn Backend, &mut CpuBackend::default()] {
+            let name = backend.kind().name();
+            same_means(&expected, &repeats(backend, &request, 100))
+                .unwrap_or_else(|error| panic!("{what}, {name}: {error}"));
+        }
     }
 }
 
@@ -149,8 +155,9 @@ fn a_loop_is_found_up_to_its_very_top() {
     (camera.distance, camera.orthographic_height) = (60.0, Some(16.0));
     let mut exact = exact_gpu();
     let request = request(&design, [40, 90]);
-    let drawn = finish(&mut exact, &request);
-    let expected = on_cpu(&request);
+    let expected = on_reference(&request);
     shows_something(&expected).unwrap();
-    same_samples(&request, &expected, &drawn).unwrap();
+    for backend in [&mut exact as &mut dyn Backend, &mut CpuBackend::default()] {
+        same_samples(&request, &expected, &finish(backend, &request)).unwrap();
+    }
 }

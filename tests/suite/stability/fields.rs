@@ -11,7 +11,7 @@ use renderer_core::gpu::GpuBackend;
 use renderer_core::render::{Backend, RenderError};
 use renderer_core::scene::compile;
 
-use crate::support::device::{finish, gpu};
+use crate::support::device::{finish, gpu, reference};
 use crate::support::scenes::{request, small_towel};
 
 const SIZE: [u32; 2] = [6, 5];
@@ -119,7 +119,7 @@ fn judge(design: &Design, backends: &mut [&mut dyn Backend]) -> Result<bool, Str
             for backend in backends {
                 match backend.begin(&request) {
                     Ok(()) => {}
-                    // Some methods are not for the GPU.
+                    // Some methods are for the reference alone.
                     Err(RenderError::Method { .. }) => continue,
                     Err(error) => return Err(error.to_string()),
                 }
@@ -156,7 +156,7 @@ fn ends_of_all_fields(methods: &[&str]) {
             for value in &field.ends {
                 let design = with(&base, &[("quality.method", method), (&field.path, value)]);
                 let what = format!("{method}, {} = {value}", field.path);
-                match judge(&design, &mut [&mut CpuBackend::default()]) {
+                match judge(&design, &mut [&mut CpuBackend::default(), &mut reference()]) {
                     Ok(true) => {}
                     Ok(false) => faulty.push(field.path.clone()),
                     Err(error) => panic!("{what}: {error}"),
@@ -262,9 +262,9 @@ fn some_fields(runs: u32, at_once: usize, device: Option<&mut GpuBackend>) {
             .collect();
         let borrowed: Vec<(&str, &str)> = written.iter().map(|(p, v)| (*p, v.as_str())).collect();
         let design = with(&small(), &borrowed);
-        let mut cpu = CpuBackend::default();
+        let (mut cpu, mut reference) = (CpuBackend::default(), reference());
         let mut device = device.borrow_mut();
-        let mut backends: Vec<&mut dyn Backend> = vec![&mut cpu];
+        let mut backends: Vec<&mut dyn Backend> = vec![&mut cpu, &mut reference];
         if let Some(device) = device.as_deref_mut() {
             backends.push(device);
         }

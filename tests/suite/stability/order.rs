@@ -9,7 +9,7 @@ use renderer_core::image::Picture;
 use renderer_core::reference::ReferenceBackend;
 use renderer_core::render::{Backend, RenderRequest};
 
-use crate::support::device::{finish, finish_in_slices, gpu};
+use crate::support::device::{finish, finish_in_slices, gpu, reference};
 use crate::support::scenes::{request, small_towel};
 
 const SLICES: [Duration; 3] = [
@@ -63,19 +63,26 @@ fn the_device_draws_the_same_in_any_slices() {
 
 #[test]
 fn the_processor_draws_the_same_in_any_slices_on_any_cores() {
-    for method in [Method::Tracked, Method::Single] {
+    let fast = || -> Box<dyn Backend> { Box::new(CpuBackend::default()) };
+    let plain = || -> Box<dyn Backend> { Box::new(reference()) };
+    for method in [Method::Tracked, Method::Single, Method::Layered] {
         let request = long_paths(3, method);
-        let all = assert_order_is_free(&|| Box::new(CpuBackend::default()), &request);
-        let one = assert_order_is_free(&|| Box::new(ReferenceBackend::default()), &request);
-        assert_eq!(bits(&all), bits(&one));
-        // Other tiles: a crop's begin elsewhere, and are smaller at its edges.
-        let mut part = request.clone();
-        part.crop = [5, 3, 30, 21];
-        let part = finish(&mut CpuBackend::default(), &part);
-        for (index, pixel) in part.pixels.iter().enumerate() {
-            let (x, y) = (index % 30 + 5, index / 30 + 3);
-            assert_eq!(*pixel, all.pixels[y * 52 + x], "{x},{y}");
+        for make in [&fast as &dyn Fn() -> Box<dyn Backend>, &plain] {
+            let all = assert_order_is_free(make, &request);
+            // Other tiles: a crop's begin elsewhere, and are smaller at its edges.
+            let mut part = request.clone();
+            part.crop = [5, 3, 30, 21];
+            let part = finish(make().as_mut(), &part);
+            for (index, pixel) in part.pixels.iter().enumerate() {
+                let (x, y) = (index % 30 + 5, index / 30 + 3);
+                assert_eq!(*pixel, all.pixels[y * 52 + x], "{x},{y}");
+            }
         }
+        let one = assert_order_is_free(&|| Box::new(ReferenceBackend::default()), &request);
+        assert_eq!(bits(&finish(&mut reference(), &request)), bits(&one));
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+        let one = pool.unwrap().install(|| finish(fast().as_mut(), &request));
+        assert_eq!(bits(&finish(fast().as_mut(), &request)), bits(&one));
     }
 }
 

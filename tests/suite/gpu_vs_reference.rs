@@ -1,4 +1,4 @@
-//! The GPU draws what the processor draws: the same samples to rounding for `single` and `layered`, the same expectation
+//! The GPU draws what the reference draws: the same samples to rounding for `single` and `layered`, the same expectation
 //! for everything with free paths.
 
 use renderer_core::cpu::CpuBackend;
@@ -10,7 +10,7 @@ use renderer_core::image::Picture;
 use renderer_core::render::Backend;
 
 use crate::support::compare::{REPEATS, same_means, same_samples, shows_something};
-use crate::support::device::{exact_gpu, finish, gpu, on_cpu, repeats};
+use crate::support::device::{exact_gpu, finish, gpu, on_reference, reference, repeats};
 use crate::support::scenes::{preset_paths, request, small_towel};
 
 const SIZE: [u32; 2] = [48, 40];
@@ -18,9 +18,9 @@ const SIZE: [u32; 2] = [48, 40];
 /// Draws one sample a pixel on both sides and compares.
 fn assert_same_samples(gpu: &mut GpuBackend, what: &str, design: &Design) {
     let request = request(design, SIZE);
-    let expected = on_cpu(&request);
+    let expected = on_reference(&request);
     let drawn = finish(gpu, &request);
-    shows_something(&expected).unwrap_or_else(|error| panic!("{what}, processor: {error}"));
+    shows_something(&expected).unwrap_or_else(|error| panic!("{what}, reference: {error}"));
     same_samples(&request, &expected, &drawn).unwrap_or_else(|error| panic!("{what}: {error}"));
 }
 
@@ -150,12 +150,12 @@ fn a_crop_holds_the_pixels_of_the_whole() {
     }
 }
 
-/// Pictures of the GPU and of the processor, with different seeds.
+/// Pictures of the GPU and of the reference, with different seeds.
 pub fn both(design: &Design, size: [u32; 2]) -> [Vec<Picture>; 2] {
     let request = request(design, size);
     [
         repeats(&mut gpu(), &request, 1000),
-        repeats(&mut CpuBackend::default(), &request, 5000),
+        repeats(&mut reference(), &request, 5000),
     ]
 }
 
@@ -168,11 +168,11 @@ fn tracked_paths_have_the_same_expectation() {
     for (bounces, phase) in [(1, Phase::FrameLambert), (6, Phase::Isotropic)] {
         design.quality.bounces = bounces;
         design.pile.phase = phase;
-        let [gpu, cpu] = both(&design, [24, 24]);
-        same_means(&cpu, &gpu).unwrap_or_else(|error| panic!("{bounces} bounces: {error}"));
+        let [gpu, expected] = both(&design, [24, 24]);
+        same_means(&expected, &gpu).unwrap_or_else(|error| panic!("{bounces} bounces: {error}"));
         // The test sees a difference of a few percent: paths one scattering shorter, or light a little brighter.
         let dimmed: Vec<Picture> = gpu.iter().map(|picture| scaled(picture, 0.94)).collect();
-        assert!(same_means(&cpu, &dimmed).is_err());
+        assert!(same_means(&expected, &dimmed).is_err());
     }
 }
 
@@ -180,11 +180,11 @@ fn tracked_paths_have_the_same_expectation() {
 fn paths_that_go_on_after_single_have_the_same_expectation() {
     let mut design = small_towel();
     (design.quality.samples, design.quality.bounces) = (4, 4);
-    let [gpu, cpu] = both(&design, [24, 24]);
-    same_means(&cpu, &gpu).unwrap();
+    let [gpu, expected] = both(&design, [24, 24]);
+    same_means(&expected, &gpu).unwrap();
     design.quality.bounces = 3;
     let [shorter, _] = both(&design, [24, 24]);
-    assert!(same_means(&cpu, &shorter).is_err());
+    assert!(same_means(&expected, &shorter).is_err());
 }
 
 /// Loops as wide as their neighbourhood, thinly filled and all bright before black: what passes through them is set by
@@ -202,11 +202,11 @@ fn crowded_loops_let_the_same_light_through() {
     design.light.environment.radiance = 0.0;
     design.light.background = Colour::WHITE;
     (design.quality.method, design.quality.samples) = (Method::Tracked, 8);
-    let [gpu, cpu] = both(&design, [24, 24]);
-    same_means(&cpu, &gpu).unwrap();
+    let [gpu, expected] = both(&design, [24, 24]);
+    same_means(&expected, &gpu).unwrap();
     design.pile.density *= 1.1;
     let [denser, _] = both(&design, [24, 24]);
-    assert!(same_means(&cpu, &denser).is_err());
+    assert!(same_means(&expected, &denser).is_err());
 }
 
 fn scaled(picture: &Picture, by: f32) -> Picture {
@@ -221,7 +221,7 @@ fn scaled(picture: &Picture, by: f32) -> Picture {
 fn the_comparators_refuse_wrong_pictures() {
     let design = small_towel();
     let request = request(&design, SIZE);
-    let right = on_cpu(&request);
+    let right = on_reference(&request);
     assert_eq!(same_samples(&request, &right, &right), Ok(()));
 
     let mut swapped = right.clone();
@@ -245,12 +245,12 @@ fn the_comparators_refuse_wrong_pictures() {
 }
 
 #[test]
-fn every_preset_renders_on_both_backends_and_they_agree() {
+fn every_preset_renders_and_the_gpu_draws_the_references_samples() {
     let (mut gpu, mut cpu, mut exact) = (gpu(), CpuBackend::default(), exact_gpu());
     for path in preset_paths() {
         let name = path.display();
         let mut design = towel_designer::files::load_design(&path).unwrap();
-        // As it is: something to see on both, from every saved camera.
+        // As it is: something to see on what users have, from every saved camera.
         design.quality.samples = 1;
         let cameras = design.view.cameras.clone();
         for camera in cameras {
@@ -262,7 +262,7 @@ fn every_preset_renders_on_both_backends_and_they_agree() {
                     .unwrap_or_else(|error| panic!("{name}, {}: {error}", backend.kind().name()));
             }
         }
-        // By the method that draws the same samples on both.
+        // By a method that draws the same samples on both sides.
         design.quality.method = Method::Single;
         design.quality.bounces = 1;
         assert_same_samples(&mut exact, &name.to_string(), &design);

@@ -1,0 +1,106 @@
+//! Small cloths of every kind: the same samples as the reference draws.
+
+use std::collections::BTreeSet;
+
+use renderer_core::cpu::CpuBackend;
+use renderer_core::design::{Design, Method};
+use renderer_core::sampling::Pcg;
+
+use super::scenes::{Edit, GROUPS, LOOPS};
+use crate::support::compare::{MAX_FLIPS, same_samples, shows_something};
+use crate::support::device::{finish, on_reference};
+use crate::support::same_sample::{Agreement, same_picture};
+use crate::support::scenes::{request, small_towel};
+
+const SIZE: [u32; 2] = [48, 40];
+
+/// A small towel with some ways of being different, and their names.
+fn towel(edits: &[&Edit]) -> (String, Design) {
+    let mut design = small_towel();
+    for (_, edit) in edits {
+        edit(&mut design);
+    }
+    let names: Vec<_> = edits.iter().map(|(name, _)| *name).collect();
+    (names.join(", "), design)
+}
+
+/// Draws by a method on both sides and compares as strictly as small pictures of the GPU are; whether there is much to see.
+fn compare(cpu: &mut CpuBackend, what: &str, design: &Design, method: Method) -> bool {
+    let mut design = design.clone();
+    design.quality.method = method;
+    let request = request(&design, SIZE);
+    let expected = on_reference(&request);
+    let drawn = finish(cpu, &request);
+    same_samples(&request, &expected, &drawn)
+        .unwrap_or_else(|error| panic!("{what}, {method:?}: {error}"));
+    shows_something(&expected).is_ok()
+}
+
+#[test]
+fn every_way_of_being_different_draws_the_same_samples() {
+    let mut cpu = CpuBackend::default();
+    for edit in GROUPS.into_iter().flatten() {
+        let (what, design) = towel(&[edit]);
+        for method in [Method::Single, Method::Layered] {
+            assert!(compare(&mut cpu, &what, &design, method), "{what}: uniform");
+        }
+    }
+}
+
+/// Differences together, as they meet in no preset.
+fn mixtures(count: u32, seed: u32) {
+    let mut cpu = CpuBackend::default();
+    let mut random = Pcg::new(seed, 0);
+    let mut shown = 0;
+    for k in 0..count {
+        let edits = GROUPS.map(|group| {
+            let index = random.next_float() * group.len() as f32;
+            &group[index as usize]
+        });
+        let (what, design) = towel(&edits);
+        let method = [Method::Single, Method::Layered][k as usize % 2];
+        shown += u32::from(compare(&mut cpu, &what, &design, method));
+    }
+    assert!(shown > count * 3 / 4, "only {shown} of {count} show much");
+}
+
+#[test]
+fn mixtures_draw_the_same_samples() {
+    mixtures(40, 3);
+}
+
+#[test]
+#[ignore = "long: about 120 s"]
+fn many_mixtures_draw_the_same_samples() {
+    mixtures(1000, 4);
+}
+
+#[test]
+fn blocks_of_all_sizes_are_among_them() {
+    let sizes: BTreeSet<u32> = LOOPS
+        .iter()
+        .map(|edit| {
+            let (_, design) = towel(&[edit]);
+            request(&design, SIZE).scene.loops.block_cells
+        })
+        .collect();
+    assert_eq!(Vec::from_iter(sizes), [1, 2, 4]);
+}
+
+#[test]
+fn dark_pixels_are_as_close_as_bright_ones() {
+    // The comparator of presets, which also looks at each pixel's own value.
+    let mut cpu = CpuBackend::default();
+    for method in [Method::Single, Method::Layered] {
+        let mut design = small_towel();
+        (design.quality.method, design.quality.samples) = (method, 4);
+        let request = request(&design, SIZE);
+        let most = MAX_FLIPS * f64::from(SIZE[0] * SIZE[1]);
+        let expected = on_reference(&request);
+        let drawn = finish(&mut cpu, &request);
+        let Agreement { rel_rmse, .. } =
+            same_picture(&request, &expected, &drawn, most as usize, true).unwrap();
+        // Not to the bit: then it would be the reference itself.
+        assert!(rel_rmse > 0.0);
+    }
+}

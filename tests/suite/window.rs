@@ -65,7 +65,7 @@ fn the_program_opens_draws_saves_and_closes() {
     program.wait_for_rest();
 
     // A cell of the pattern is painted by the keyboard: Tab reaches everything, but a click is nearer.
-    click(&display, designer::cell(&twin(&preset), 0, 0));
+    click(&display, &program, designer::cell(&twin(&preset), 0, 0));
     wait("the painted stitch's unsaved mark", || {
         display.xdotool("key 9");
         std::thread::sleep(Duration::from_millis(300));
@@ -113,26 +113,28 @@ fn twin(preset: &Path) -> Harness<'static, App> {
 }
 
 /// Moves the pointer to `from`, holds it down, goes on to each of `to` and lets go.
-fn drag(display: &Display, from: Pos2, to: &[Pos2]) {
-    let go = |at: Pos2| {
-        display.xdotool(&format!("mousemove {} {}", at.x.round(), at.y.round()));
-        std::thread::sleep(Duration::from_millis(150));
+fn drag(display: &Display, program: &Program, from: Pos2, to: &[Pos2]) {
+    let act = |what: &str| {
+        display.xdotool(what);
+        program.settle();
     };
+    let go = |at: Pos2| act(&format!("mousemove {} {}", at.x.round(), at.y.round()));
     go(from);
-    display.xdotool("mousedown 1");
+    act("mousedown 1");
     to.iter().copied().for_each(go);
-    display.xdotool("mouseup 1");
-    std::thread::sleep(Duration::from_millis(150));
+    act("mouseup 1");
 }
 
-fn click(display: &Display, at: Pos2) {
-    drag(display, at, &[]);
+fn click(display: &Display, program: &Program, at: Pos2) {
+    drag(display, program, at, &[]);
 }
 
 /// Types into what has the keyboard, instead of what it holds.
-fn type_instead(display: &Display, text: &str) {
+fn type_instead(display: &Display, program: &Program, text: &str) {
     display.xdotool("key ctrl+a");
+    program.settle();
     display.run("xdotool", &["type", "--delay", "30", text]);
+    program.settle();
 }
 
 /// Waits for a file that is read without fault.
@@ -169,7 +171,7 @@ fn a_design_made_by_pointer_and_keys_is_saved_exported_and_opened_again() {
 
     // Paint a stroke of loops over the near row of the pattern.
     let cells = [0, 1].map(|col| designer::cell(&twin, col, 0));
-    drag(&display, cells[0], &cells);
+    drag(&display, &program, cells[0], &cells);
     wait("the unsaved mark", || {
         display.window("small\\* - Towel Designer")
     });
@@ -177,7 +179,7 @@ fn a_design_made_by_pointer_and_keys_is_saved_exported_and_opened_again() {
     let slider = twin.get_by_role_and_label(Role::Slider, "Warps per cm");
     let rail = slider.rect();
     let [from, to] = [0.25, 0.35].map(|share| rail.left_center() + vec2(share * rail.width(), 0.0));
-    drag(&display, from, &[to]);
+    drag(&display, &program, from, &[to]);
     // Drop a chart on the cloth.
     let window = program.window.parse().expect("a number");
     drop_file(&display.name, window, [700, 400], &chart, PATIENCE);
@@ -209,20 +211,23 @@ fn a_design_made_by_pointer_and_keys_is_saved_exported_and_opened_again() {
 
     // Export what is seen.
     display.xdotool("key ctrl+e");
-    std::thread::sleep(Duration::from_secs(1));
+    program.settle();
     twin.key_press_modifiers(Modifiers::COMMAND, Key::E);
     twin.run_steps(20);
     for (field, value) in [("Export width", "96"), ("Export height", "64")] {
         let at = twin.get_by_role_and_label(Role::SpinButton, field).rect();
-        click(&display, at.center());
-        type_instead(&display, value);
+        click(&display, &program, at.center());
+        type_instead(&display, &program, value);
         display.xdotool("key Return");
+        program.settle();
     }
     let button = twin.get_by_label("Choose file and export…").rect();
-    click(&display, button.center());
+    click(&display, &program, button.center());
+    // The system's dialog is waited for first.
     std::thread::sleep(Duration::from_secs(1));
+    program.settle();
     let exported = folder.path().join("exported.png");
-    type_instead(&display, &exported.to_string_lossy());
+    type_instead(&display, &program, &exported.to_string_lossy());
     display.xdotool("key Return");
     let exported = wait_for("the exported picture", &exported, |path| {
         image::open(path).ok().map(image::DynamicImage::into_rgb8)

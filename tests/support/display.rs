@@ -1,6 +1,6 @@
 //! The program in a real window of a virtual display that nobody sees, driven by keys and pointer.
 
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -128,8 +128,12 @@ impl Program {
             .expect("the program starts");
         let mut process = Process(program);
         let window = wait("the window", || {
-            let ended = process.0.try_wait().expect("a status");
-            assert!(ended.is_none(), "the program ended early: {ended:?}");
+            if let Some(ended) = process.0.try_wait().expect("a status") {
+                let mut told = String::new();
+                let stderr = process.0.stderr.as_mut().expect("piped");
+                stderr.read_to_string(&mut told).expect("text");
+                panic!("the program ended early: {ended:?}\n{told}");
+            }
             // With the document's name: the preset is read.
             display.window(title)
         });
@@ -150,6 +154,16 @@ impl Program {
             let before = cpu_seconds(self.process.0.id());
             std::thread::sleep(Duration::from_secs(2));
             (cpu_seconds(self.process.0.id()) - before < 0.1).then_some(())
+        });
+    }
+
+    /// Waits until it has dealt with what keys and pointer did: for a moment it computes next to nothing. What follows sooner
+    /// may come in the same frame, and a busy machine shows few.
+    pub fn settle(&self) {
+        wait("a moment's rest", || {
+            let before = cpu_seconds(self.process.0.id());
+            std::thread::sleep(Duration::from_millis(400));
+            (cpu_seconds(self.process.0.id()) - before < 0.03).then_some(())
         });
     }
 

@@ -122,9 +122,17 @@ impl Cloth {
         loop {
             let x_edge = (x + i32::from(x_step > 0)) as f32;
             let y_edge = (y + i32::from(y_step > 0)) as f32;
-            // Edges that are never come to are at infinity, or NaN, which no comparison takes.
-            let (x_leave, y_leave) = ((x_edge - place.x) * x_per, (y_edge - place.y) * y_per);
-            let across_x = x_leave < y_leave || y_leave.is_nan();
+            let leaves = |edge: f32, place: f32, per: f32| {
+                // A ray across an axis never comes to its edges.
+                if per.is_infinite() {
+                    f32::INFINITY
+                } else {
+                    (edge - place) * per
+                }
+            };
+            let x_leave = leaves(x_edge, place.x, x_per);
+            let y_leave = leaves(y_edge, place.y, y_per);
+            let across_x = x_leave < y_leave;
             let leave = if across_x { x_leave } else { y_leave };
             let inner = leave < part.length && pieces.count < 4;
             let end = if inner { leave.max(0.0) } else { part.length };

@@ -141,7 +141,7 @@ impl Tracer {
                 cloth.grid.loop_heights
             };
             let [from, end] = cloth.grid.clip_heights(ray, span.enter, end, heights);
-            if from >= end {
+            if from >= end && self.skips_empty {
                 scratch.counters.skipped_cells += 1;
             }
             span.enter = from;

@@ -17,26 +17,27 @@
 //! anew and kept when equal; loops, looks and volumes have their inputs compared.
 
 use std::sync::Arc;
-
-use rayon::prelude::*;
+use std::time::Instant;
 
 use super::cancel::{Cancel, Cancelled};
 use super::chart::ChartOnSheet;
-use super::frames::{FrameSettings, Jitter, LoopInput, loop_hash, loop_shape};
-use super::grid::{self, NoGrid, Planted};
+use super::frames::FrameSettings;
+use super::grid::{self, NoGrid};
 use super::length::{CellLengths, LengthRule};
 use super::looks::{Materials, looks};
-use super::skeleton::{Face, RootHeights};
+use super::plant::{Frames, LoopsInputs};
+use super::report::{CompileReport, timed};
+use super::skeleton::RootHeights;
 use super::turbulence::TurbulenceField;
 use super::volumes::rasterise_unless_cancelled;
 use super::{
-    Lights, LoopCounts, LoopPatch, Loops, PileOptics, Scene, Section, SheetGeometry, Skeleton,
+    Lights, LoopLook, Loops, PileOptics, Scene, Section, SeenCells, SheetGeometry, Skeleton,
     Volumes,
 };
 use crate::design::{
-    Back, Chart, Colour, Design, Fault, Filter, Length, Phase, Pile, PileKind, Turbulence, Warning,
-    Weave,
+    Chart, Colour, Design, Fault, Filter, Length, Phase, Pile, PileKind, Turbulence, Warning,
 };
+use crate::render::{Skip, Skips};
 
 /// Why a design has no scene.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -112,33 +113,39 @@ pub fn warnings(design: &Design, scene: &Scene) -> Vec<Warning> {
 /// Compiles one design after another and keeps what did not change.
 #[derive(Debug, Default)]
 pub struct Compiler {
-    last: Option<Last>,
+    skips: Skips,
+    /// The last whole scene.
+    scene: Option<Arc<Scene>>,
+    lengths: Option<(LengthsInputs, CellLengths)>,
+    turbulence: Option<(TurbulenceInputs, Arc<TurbulenceField>)>,
+    loops: Option<(LoopsInputs, Section<Loops>)>,
+    looks: Option<((LooksInputs, Section<Loops>), Section<Vec<LoopLook>>)>,
+    volumes: Option<(VolumesInputs, Section<Volumes>)>,
+    report: CompileReport,
 }
 
-/// The last scene and what it was made from.
-#[derive(Debug)]
-struct Last {
-    scene: Arc<Scene>,
-    turbulence: Arc<TurbulenceField>,
-    turbulence_inputs: (SheetGeometry, Turbulence),
-    loops_inputs: LoopsInputs,
-    looks_inputs: LooksInputs,
-    volumes_inputs: VolumesInputs,
+/// A scene for a first look.
+#[derive(Debug, Clone)]
+pub enum SeenScene {
+    /// With all loops, since they were there already.
+    Whole(Arc<Scene>),
+    /// With those loops only that reach the cells that are seen.
+    Part(Arc<Scene>),
 }
 
-/// Everything that the loops' shapes follow from.
-#[derive(Debug, PartialEq)]
-struct LoopsInputs {
-    sheet: SheetGeometry,
-    weave: Weave,
-    roots: RootHeights,
-    lengths: CellLengths,
-    frames: FrameSettings,
-    turbulence: Turbulence,
+/// Everything that the turbulence follows from.
+type TurbulenceInputs = (SheetGeometry, Turbulence);
+
+/// Everything that the lengths of cells follow from.
+#[derive(Debug, Clone, PartialEq)]
+struct LengthsInputs {
+    chart: Chart,
+    length: Length,
+    cells: [u32; 2],
 }
 
 /// Everything that the looks follow from, besides which loops there are.
-#[derive(Debug, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 struct LooksInputs {
     chart: Chart,
     length: Length,
@@ -150,14 +157,28 @@ struct LooksInputs {
 }
 
 /// Everything that the volumes follow from.
-#[derive(Debug, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 struct VolumesInputs {
     pile: Pile,
     kinds: Vec<PileKind>,
     reference_length_mm: f64,
 }
 
+/// What was made from inputs, if they were the same.
+fn kept<I: PartialEq, T: Clone>(last: Option<&(I, T)>, inputs: &I) -> Option<T> {
+    last.filter(|(last, _)| last == inputs)
+        .map(|(_, made)| made.clone())
+}
+
 impl Compiler {
+    /// A compiler that leaves out this work, which never changes a scene.
+    pub fn new(skips: Skips) -> Self {
+        Self {
+            skips,
+            ..Self::default()
+        }
+    }
+
     /// The scene of a design. Sections whose inputs are those of the last design keep their `Arc`; if all do, the scene
     /// is the same `Arc`.
     ///
@@ -176,41 +197,65 @@ impl Compiler {
         design: &Design,
         cancel: &Cancel<'_>,
     ) -> Result<Arc<Scene>, CompileError> {
+        match self.make(design, None, cancel)? {
+            SeenScene::Whole(scene) | SeenScene::Part(scene) => Ok(scene),
+        }
+    }
+
+    /// A scene for a first look at a design whose loops changed: in the cells that are `seen` it is what
+    /// [`Self::compile`] gives, elsewhere loops may be missing. What can be kept is kept for that.
+    ///
+    /// # Errors
+    /// As [`Self::compile_unless_cancelled`].
+    pub fn compile_seen(
+        &mut self,
+        design: &Design,
+        seen: &SeenCells,
+        cancel: &Cancel<'_>,
+    ) -> Result<SeenScene, CompileError> {
+        self.make(design, Some(seen), cancel)
+    }
+
+    /// What the last compilation did; of one that failed, as far as it came.
+    pub fn last_report(&self) -> &CompileReport {
+        &self.report
+    }
+
+    fn make(
+        &mut self,
+        design: &Design,
+        seen: Option<&SeenCells>,
+        cancel: &Cancel<'_>,
+    ) -> Result<SeenScene, CompileError> {
+        let start = Instant::now();
+        self.report = CompileReport::default();
         let faults = design.faults();
         if !faults.is_empty() {
             return Err(CompileError::Invalid(faults));
         }
-        let last = self.last.as_ref();
-        let old = last.map(|last| &*last.scene);
-
+        if !self.skips.has(Skip::UnchangedSections) {
+            *self = Self::new(self.skips);
+        }
+        let old = self.scene.clone();
+        let old = old.as_deref();
         let sheet = SheetGeometry::new(design);
         let skeleton = Skeleton::new(&design.weave, &design.skeleton);
         let materials = Materials::new(design);
         let optics = PileOptics::new(design, &materials);
 
-        let turbulence_inputs = (sheet, design.turbulence.clone());
-        let turbulence = match last.filter(|last| last.turbulence_inputs == turbulence_inputs) {
-            Some(last) => Arc::clone(&last.turbulence),
-            None => {
-                let field = TurbulenceField::unless_cancelled(&sheet, &design.turbulence, cancel);
-                Arc::new(field)
-            }
-        };
-        cancel.check()?;
-
-        let chart = ChartOnSheet::new(&design.chart, sheet.warps, sheet.wefts);
-        let rule = LengthRule::new(&design.length);
         let loops_inputs = LoopsInputs {
             sheet,
             weave: design.weave.clone(),
             roots: RootHeights::new(&skeleton, &sheet, design.pile.base_width),
-            lengths: CellLengths::new(&rule, &chart, sheet.warps, sheet.wefts),
+            lengths: self.lengths_of(design, &sheet),
             frames: FrameSettings::new(&design.pile),
             turbulence: design.turbulence.clone(),
         };
-        let loops = match last.filter(|last| last.loops_inputs == loops_inputs) {
-            Some(last) => last.scene.loops.clone(),
-            None => Section::new(loops_inputs.build(&turbulence, cancel)?),
+        let kept_loops = kept(self.loops.as_ref(), &loops_inputs);
+        let is_part = seen.is_some() && kept_loops.is_none();
+        let loops = match kept_loops {
+            Some(loops) => loops,
+            None => Section::new(self.build_loops(&loops_inputs, seen, cancel)?),
         };
 
         let looks_inputs = LooksInputs {
@@ -221,23 +266,30 @@ impl Compiler {
             ground: design.skeleton.colour,
             seed: design.turbulence.seed,
         };
-        let same_looks =
-            |last: &&Last| last.looks_inputs == looks_inputs && last.scene.loops == loops;
-        let looks = match last.filter(same_looks) {
-            Some(last) => last.scene.looks.clone(),
-            None => keep(
-                old.map(|old| &old.looks),
-                looks(design, &sheet, &loops, &materials, cancel),
-            ),
+        let looks_inputs = (looks_inputs, loops.clone());
+        let looks = match kept(self.looks.as_ref(), &looks_inputs) {
+            Some(looks) => looks,
+            None => {
+                let new = timed(&mut self.report.seconds.looks, || {
+                    looks(design, &sheet, &loops, &materials, cancel)
+                });
+                keep(old.map(|old| &old.looks), new)
+            }
         };
         cancel.check()?;
 
         let volumes_inputs = VolumesInputs::new(design, &materials);
-        let volumes = match last.filter(|last| last.volumes_inputs == volumes_inputs) {
-            Some(last) => last.scene.volumes.clone(),
-            None => Section::new(volumes_inputs.build(cancel)),
+        let volumes = match kept(self.volumes.as_ref(), &volumes_inputs) {
+            Some(volumes) => volumes,
+            None => {
+                let seconds = &mut self.report.seconds.volumes;
+                let new = timed(seconds, || volumes_inputs.build(cancel));
+                cancel.check()?;
+                let volumes = Section::new(new);
+                self.volumes = Some((volumes_inputs, volumes.clone()));
+                volumes
+            }
         };
-        cancel.check()?;
 
         let scene = Scene {
             sheet: keep(old.map(|old| &old.sheet), sheet),
@@ -248,24 +300,122 @@ impl Compiler {
             skeleton: keep(old.map(|old| &old.skeleton), skeleton),
             lights: keep(old.map(|old| &old.lights), Lights::new(&design.light)),
         };
-        let scene = match last.filter(|last| *last.scene == scene) {
-            Some(last) => Arc::clone(&last.scene),
+        self.report.kept = old.map_or([false; 7], |old| scene.same_sections(old));
+        self.report.seconds.total = start.elapsed().as_secs_f64();
+        if is_part {
+            return Ok(SeenScene::Part(Arc::new(scene)));
+        }
+        self.loops = Some((loops_inputs, scene.loops.clone()));
+        self.looks = Some((looks_inputs, scene.looks.clone()));
+        let scene = match self.scene.take().filter(|last| **last == scene) {
+            Some(last) => last,
             None => Arc::new(scene),
         };
-        self.last = Some(Last {
-            scene: Arc::clone(&scene),
-            turbulence,
-            turbulence_inputs,
-            loops_inputs,
-            looks_inputs,
-            volumes_inputs,
-        });
-        Ok(scene)
+        self.scene = Some(Arc::clone(&scene));
+        Ok(SeenScene::Whole(scene))
     }
 
-    /// The turbulence of the last scene.
-    pub fn turbulence(&self) -> Option<&Arc<TurbulenceField>> {
-        self.last.as_ref().map(|last| &last.turbulence)
+    fn lengths_of(&mut self, design: &Design, sheet: &SheetGeometry) -> CellLengths {
+        let inputs = LengthsInputs {
+            chart: design.chart.clone(),
+            length: design.length.clone(),
+            cells: [sheet.warps, sheet.wefts],
+        };
+        if let Some(lengths) = kept(self.lengths.as_ref(), &inputs) {
+            return lengths;
+        }
+        let lengths = timed(&mut self.report.seconds.lengths, || {
+            let chart = ChartOnSheet::new(&design.chart, sheet.warps, sheet.wefts);
+            CellLengths::new(
+                &LengthRule::new(&design.length),
+                &chart,
+                sheet.warps,
+                sheet.wefts,
+            )
+        });
+        self.lengths = Some((inputs, lengths.clone()));
+        lengths
+    }
+
+    fn build_loops(
+        &mut self,
+        inputs: &LoopsInputs,
+        seen: Option<&SeenCells>,
+        cancel: &Cancel<'_>,
+    ) -> Result<Loops, CompileError> {
+        let cells = timed(&mut self.report.seconds.lengths, || {
+            let standing = inputs.standing();
+            match seen {
+                Some(seen) => standing.and(&seen.planted_in()),
+                None => standing,
+            }
+        });
+        let frames = match seen {
+            Some(seen) => Frames::Seen(&cells, seen),
+            None if self.skips.has(Skip::UnplantedLoops) => Frames::Of(&cells),
+            None => Frames::All,
+        };
+        let turbulence = self.turbulence_of(inputs, frames, cancel)?;
+        let (planted, frames_made) = timed(&mut self.report.seconds.frames, || {
+            inputs.plant(&turbulence, frames, cancel)
+        });
+        cancel.check()?;
+        let sheet = &inputs.sheet;
+        self.report.frames_made = frames_made;
+        self.report.frames_left_out =
+            2 * u64::from(sheet.warps) * u64::from(sheet.wefts) - frames_made;
+        let loops = planted.counts.planted;
+        let built = timed(&mut self.report.seconds.grid, || {
+            grid::build(sheet, planted, cancel)
+        });
+        built.map_err(|error| match error {
+            NoGrid::TooManyEntries => CompileError::TooManyEntries {
+                loops,
+                limit: grid::MAX_ENTRIES,
+            },
+            NoGrid::Cancelled => CompileError::Cancelled,
+        })
+    }
+
+    /// The turbulence that frames need: that of the last design, as far as it has it.
+    fn turbulence_of(
+        &mut self,
+        inputs: &LoopsInputs,
+        frames: Frames<'_>,
+        cancel: &Cancel<'_>,
+    ) -> Result<Arc<TurbulenceField>, CompileError> {
+        let wanted = inputs.wanted(frames);
+        let (sheet, turbulence) = (inputs.sheet, &inputs.turbulence);
+        let last = self.turbulence.take();
+        let last = last.filter(|((old_sheet, old), field)| {
+            *old_sheet == sheet && old == turbulence && field.has_channels(&wanted)
+        });
+        let field = timed(&mut self.report.seconds.turbulence, || match last {
+            Some((_, field)) if field.has(&wanted) => field,
+            Some((_, mut field)) => {
+                Arc::make_mut(&mut field).add(&sheet, turbulence, &wanted.cells, cancel);
+                field
+            }
+            None => Arc::new(TurbulenceField::of(&sheet, turbulence, wanted, cancel)),
+        });
+        cancel.check()?;
+        self.turbulence = Some(((sheet, turbulence.clone()), Arc::clone(&field)));
+        Ok(field)
+    }
+}
+
+impl Scene {
+    /// Which sections are those of another scene, in the order of [`SECTIONS`](super::SECTIONS).
+    pub fn same_sections(&self, other: &Self) -> [bool; 7] {
+        [
+            self.sheet == other.sheet,
+            self.loops == other.loops,
+            self.looks == other.looks,
+            self.volumes == other.volumes,
+            self.pile == other.pile,
+            self.skeleton == other.skeleton,
+            self.lights == other.lights,
+        ]
     }
 }
 
@@ -327,108 +477,5 @@ impl VolumesInputs {
 
     fn build(&self, cancel: &Cancel<'_>) -> Volumes {
         rasterise_unless_cancelled(&self.pile, &self.kinds, self.reference_length_mm, cancel)
-    }
-}
-
-/// Loops of one weft.
-#[derive(Default)]
-struct Row {
-    patches: Vec<LoopPatch>,
-    warps: Vec<u32>,
-    counts: LoopCounts,
-}
-
-impl LoopsInputs {
-    fn build(
-        &self,
-        turbulence: &TurbulenceField,
-        cancel: &Cancel<'_>,
-    ) -> Result<Loops, CompileError> {
-        let rows: Vec<Row> = (0..self.sheet.wefts)
-            .into_par_iter()
-            .map(|j| {
-                if cancel.is_cancelled() {
-                    Row::default()
-                } else {
-                    self.row(turbulence, j)
-                }
-            })
-            .collect();
-        cancel.check()?;
-        let count = rows.iter().map(|row| row.patches.len()).sum();
-        let mut planted = Planted {
-            patches: Vec::with_capacity(count),
-            warps: Vec::with_capacity(count),
-            row_starts: Vec::with_capacity(rows.len() + 1),
-            base_width_mm: self.frames.base_width as f32,
-            thickness_mm: self.frames.thickness as f32,
-            counts: LoopCounts::default(),
-        };
-        for row in rows {
-            planted.row_starts.push(planted.patches.len());
-            planted.patches.extend_from_slice(&row.patches);
-            planted.warps.extend_from_slice(&row.warps);
-            planted.counts = planted.counts.plus(row.counts);
-        }
-        planted.row_starts.push(planted.patches.len());
-        grid::build(&self.sheet, planted, cancel).map_err(|error| match error {
-            NoGrid::TooManyEntries => CompileError::TooManyEntries {
-                loops: count as u64,
-                limit: grid::MAX_ENTRIES,
-            },
-            NoGrid::Cancelled => CompileError::Cancelled,
-        })
-    }
-
-    fn row(&self, turbulence: &TurbulenceField, j: u32) -> Row {
-        let mut row = Row::default();
-        for i in 0..self.sheet.warps {
-            let (column, line) = (i as usize, j as usize);
-            let faces = self.faces(i, j);
-            if !faces.contains(&true) {
-                continue;
-            }
-            let length = self.lengths.at(line * self.sheet.warps as usize + column);
-            for (face, stands) in [Face::Front, Face::Back].into_iter().zip(faces) {
-                if !stands {
-                    continue;
-                }
-                let input = LoopInput {
-                    face,
-                    root_heights: self.roots.at(column, line, face),
-                    length,
-                    turbulence: turbulence.at(column, line).map(f64::from),
-                    jitter: Jitter::new(loop_hash(self.turbulence.seed, i, j, face)),
-                };
-                if let Some(shape) = loop_shape(&self.frames, &input, &mut row.counts) {
-                    row.patches.push(shape);
-                    row.warps.push(i);
-                }
-            }
-        }
-        row
-    }
-
-    /// Whether a loop stands on the front and on the back of cell (i, j) (MODEL.md §2).
-    fn faces(&self, i: u32, j: u32) -> [bool; 2] {
-        let stitch = self.weave.pattern.stitch(i64::from(i), i64::from(j));
-        let back = match self.weave.back {
-            Back::Mirror => stitch.front,
-            Back::Pattern => stitch.back,
-            Back::None => false,
-        };
-        [stitch.front, back]
-    }
-}
-
-impl LoopCounts {
-    fn plus(self, other: Self) -> Self {
-        Self {
-            planted: self.planted + other.planted,
-            dropped: self.dropped + other.dropped,
-            repaired: self.repaired + other.repaired,
-            raised: self.raised + other.raised,
-            capped: self.capped + other.capped,
-        }
     }
 }

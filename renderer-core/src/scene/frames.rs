@@ -184,7 +184,8 @@ struct Stance {
     length: f64,
     /// Unit vector in the sheet's plane towards which the loop leans, or zero.
     towards: DVec3,
-    twist: f64,
+    /// Sine and cosine of the twist.
+    twist: (f64, f64),
 }
 
 /// Axis and half top edge: what the roots do not fix.
@@ -205,14 +206,14 @@ impl Stance {
             root_height: 0.5 * (h0 + h1),
             length,
             towards: DVec3::new(x, y, 0.0),
-            twist,
+            twist: twist.sin_cos(),
         }
     }
 
     fn frame(&self, lean: f64, ratio: f64) -> Frame {
         let direction = self.normal * lean.cos() + self.towards * lean.sin();
         // Rodrigues' rotation of the whole base edge about the loop's own axis, right-handed.
-        let (sin, cos) = self.twist.sin_cos();
+        let (sin, cos) = self.twist;
         let edge = self.base_edge;
         let turned = edge * cos
             + direction.cross(edge) * sin
@@ -232,6 +233,10 @@ impl Stance {
     /// The frame with the greatest lean up to `lean` and the top ratio nearest to `ratio` whose corners are above the
     /// sheet and whose patch is convex; also the lean and the ratio. Upright loops stay whatever their corners do.
     fn stand(&self, lean: f64, ratio: f64) -> (Frame, f64, f64) {
+        let frame = self.frame(lean, ratio);
+        if self.clearance(&frame) > 0.0 && frame.skew() <= MAX_SKEW {
+            return (frame, lean, ratio);
+        }
         let (mut lean, mut ratio) = (lean, ratio);
         // A smaller lean changes the skew, and another ratio moves the corners; ratio 1 is convex at every lean.
         for attempt in 0..4 {

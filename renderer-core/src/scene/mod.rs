@@ -11,6 +11,7 @@
 mod albedo;
 mod bounds;
 mod cancel;
+mod cells;
 mod chart;
 mod compile;
 mod curve;
@@ -21,6 +22,10 @@ mod length;
 mod lights;
 mod looks;
 mod loops;
+mod noise_rows;
+mod plant;
+mod report;
+mod seen;
 mod skeleton;
 mod turbulence;
 mod types;
@@ -28,8 +33,9 @@ mod volumes;
 
 pub use albedo::{AlbedoTable, Dye, albedo_from_reflectance};
 pub use cancel::Cancel;
+pub use cells::CellSet;
 pub use chart::ChartOnSheet;
-pub use compile::{CompileError, Compiler, compile, warnings};
+pub use compile::{CompileError, Compiler, SeenScene, compile, warnings};
 pub use curve::MonotoneCurve;
 pub use frames::{
     FrameSettings, Jitter, LoopInput, MAX_LEAN, MAX_SKEW, MAX_TWIST, loop_hash, loop_shape,
@@ -37,6 +43,8 @@ pub use frames::{
 pub use grid::PlantedLoop;
 pub use length::{LengthRule, luma};
 pub use loops::*;
+pub use report::{CompileReport, SECTIONS, StageSeconds};
+pub use seen::{PileReach, SeenCells};
 pub use skeleton::Face;
 pub use turbulence::{CHANNELS, TurbulenceField};
 pub use types::*;

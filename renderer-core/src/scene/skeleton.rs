@@ -156,11 +156,16 @@ impl RootHeights {
         }
     }
 
+    /// The heights of all cells of the repeat on one face.
+    pub(super) fn of_face(&self, face: Face) -> &[[f64; 2]] {
+        match face {
+            Face::Front => &self.front,
+            Face::Back => &self.back,
+        }
+    }
+
     pub(super) fn at(&self, i: usize, j: usize, face: Face) -> [f64; 2] {
         let cell = j % self.repeat[1] * self.repeat[0] + i % self.repeat[0];
-        match face {
-            Face::Front => self.front[cell],
-            Face::Back => self.back[cell],
-        }
+        self.of_face(face)[cell]
     }
 }

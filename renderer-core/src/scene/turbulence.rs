@@ -5,63 +5,117 @@
 //! from the sheet's low corner, then an optional filter over neighbouring cells. A filter averages, so it would weaken
 //! the disorder; the field is rescaled about its mean to the deviation it had before.
 
-use noise::core::perlin::perlin_2d;
-use noise::core::simplex::simplex_2d;
-use noise::core::worley::{ReturnType, distance_functions, worley_2d};
-use noise::permutationtable::PermutationTable;
 use rayon::prelude::*;
 
-use super::{Cancel, SheetGeometry};
-use crate::design::{Filter, NoiseKind, Turbulence};
-use crate::sampling::{hash_with, unit_float};
+use super::noise_rows::{Noise, NoiseRow};
+use super::{Cancel, CellSet, SheetGeometry};
+use crate::design::{Filter, Turbulence};
 
 /// What each channel moves, in the order of [`TurbulenceField::at`].
 pub const CHANNELS: [&str; 4] = ["tilt x", "tilt y", "stretch", "twist"];
 
-/// Mean of 2|n| − 1 for one octave of Perlin noise is −0.315; without this loops would have a hidden lean.
-const FOLDED_MEAN: f64 = 0.315;
-
 /// The four channels of every cell, each in [−1, 1].
+///
+/// Compile asks for no more than it needs: the cells where loops stand and the channels that move them. What was not asked
+/// for is 0. Under a filter every cell depends on its neighbours and on the deviation of all, so it has all cells.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TurbulenceField {
     warps: usize,
     values: Vec<[f32; 4]>,
+    known: Wanted,
+}
+
+/// What is asked of a field.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Wanted {
+    pub(super) cells: CellSet,
+    pub(super) channels: [bool; 4],
+}
+
+impl Wanted {
+    /// Everything.
+    pub(super) fn all(sheet: &SheetGeometry) -> Self {
+        Self {
+            cells: CellSet::all(sheet.warps as usize, sheet.wefts as usize),
+            channels: [true; 4],
+        }
+    }
 }
 
 impl TurbulenceField {
     /// Computes the field of a sheet.
     pub fn new(sheet: &SheetGeometry, turbulence: &Turbulence) -> Self {
-        Self::unless_cancelled(sheet, turbulence, &Cancel::never())
+        Self::of(sheet, turbulence, Wanted::all(sheet), &Cancel::never())
     }
 
-    /// The same; not whole if `cancel` says so afterwards.
-    pub(super) fn unless_cancelled(
+    /// The part of the field that is wanted; not whole if `cancel` says so afterwards.
+    pub(super) fn of(
         sheet: &SheetGeometry,
         turbulence: &Turbulence,
+        wanted: Wanted,
         cancel: &Cancel<'_>,
     ) -> Self {
         let (warps, wefts) = (sheet.warps as usize, sheet.wefts as usize);
-        let channels: [Channel; 4] = std::array::from_fn(|c| Channel::new(turbulence, c as u32));
-        let mut values = vec![[0.0; 4]; warps * wefts];
-        let rows = values.par_chunks_mut(warps).enumerate();
-        rows.for_each(|(j, row)| {
-            if cancel.is_cancelled() {
-                return;
-            }
-            let y_mm = (j as f64 + 0.5) * sheet.pitch_y_mm;
-            for (i, value) in row.iter_mut().enumerate() {
-                let x_mm = (i as f64 + 0.5) * sheet.pitch_x_mm;
-                *value = std::array::from_fn(|c| channels[c].at(turbulence, [x_mm, y_mm]) as f32);
-            }
-        });
-        let mut field = Self { warps, values };
         let weights = kernel(turbulence.filter, turbulence.filter_radius);
-        if weights.len() > 1 && !cancel.is_cancelled() {
+        let is_filtered = weights.len() > 1;
+        let mut field = Self {
+            warps,
+            values: vec![[0.0; 4]; warps * wefts],
+            known: Wanted {
+                cells: CellSet::none(warps, wefts),
+                channels: wanted.channels,
+            },
+        };
+        let cells = if is_filtered {
+            CellSet::all(warps, wefts)
+        } else {
+            wanted.cells
+        };
+        field.add(sheet, turbulence, &cells, cancel);
+        if is_filtered && !cancel.is_cancelled() {
             let before = field.mean_and_deviation();
             field.smooth(&weights, cancel);
             field.rescale(before);
         }
         field
+    }
+
+    /// Whether the field has what is wanted.
+    pub(super) fn has(&self, wanted: &Wanted) -> bool {
+        self.has_channels(wanted) && self.known.cells.holds(&wanted.cells)
+    }
+
+    /// Whether the field has the channels that are wanted, be it in other cells.
+    pub(super) fn has_channels(&self, wanted: &Wanted) -> bool {
+        let channels = self.known.channels.iter().zip(wanted.channels);
+        channels
+            .into_iter()
+            .all(|(&known, wanted)| known || !wanted)
+    }
+
+    /// Computes more cells of a field without a filter; not all of them if `cancel` says so afterwards.
+    pub(super) fn add(
+        &mut self,
+        sheet: &SheetGeometry,
+        turbulence: &Turbulence,
+        cells: &CellSet,
+        cancel: &Cancel<'_>,
+    ) {
+        let noise = Noise::new(turbulence, self.known.channels);
+        let known = &self.known.cells;
+        let rows = self.values.par_chunks_mut(self.warps).enumerate();
+        rows.for_each_init(NoiseRow::default, |row, (j, values)| {
+            if cancel.is_cancelled() {
+                return;
+            }
+            row.start(cells.row(j).filter(|&i| !known.contains(i, j)), sheet);
+            let y_mm = (j as f64 + 0.5) * sheet.pitch_y_mm;
+            noise.fill(row, y_mm, values);
+        });
+        if !cancel.is_cancelled() {
+            let known = std::mem::replace(&mut self.known.cells, CellSet::none(0, 0));
+            self.known.cells = known.or(cells);
+        }
     }
 
     /// Values of the cell at warp `i` and weft `j`, in the order of [`CHANNELS`].
@@ -158,55 +212,6 @@ impl TurbulenceField {
                 (mean[c] + gain[c] * (value[c] - mean[c])).clamp(-1.0, 1.0)
             });
         });
-    }
-}
-
-/// Noise of one channel.
-struct Channel {
-    table: PermutationTable,
-    /// Moves the lattice; never an integer, where Perlin noise is zero.
-    offset: [f64; 2],
-}
-
-impl Channel {
-    fn new(turbulence: &Turbulence, channel: u32) -> Self {
-        let seed = hash_with(turbulence.seed, channel);
-        let offset = [1, 2].map(|axis| 0.1 + 0.8 * f64::from(unit_float(hash_with(seed, axis))));
-        Self {
-            table: PermutationTable::new(seed),
-            offset,
-        }
-    }
-
-    /// T_c of MODEL.md §3 at a place in mm.
-    fn at(&self, turbulence: &Turbulence, place_mm: [f64; 2]) -> f64 {
-        let (mut frequency, mut amplitude) = (turbulence.frequency, 1.0);
-        let (mut sum, mut amplitudes) = (0.0, 0.0);
-        for _ in 0..turbulence.octaves {
-            let point = [0, 1].map(|axis| frequency * place_mm[axis] + self.offset[axis]);
-            sum += amplitude * self.octave(turbulence.kind, point);
-            amplitudes += amplitude;
-            frequency *= turbulence.lacunarity;
-            amplitude *= turbulence.gain;
-        }
-        (sum / amplitudes).clamp(-1.0, 1.0)
-    }
-
-    fn octave(&self, kind: NoiseKind, point: [f64; 2]) -> f64 {
-        let point = point.into();
-        let table = &self.table;
-        let value = match kind {
-            NoiseKind::Fbm => perlin_2d(point, table),
-            NoiseKind::Turbulence => 2.0 * perlin_2d(point, table).abs() - 1.0 + FOLDED_MEAN,
-            NoiseKind::Simplex => simplex_2d(point, table).0,
-            NoiseKind::Worley => worley_2d(
-                table,
-                distance_functions::euclidean,
-                ReturnType::Distance,
-                point,
-            ),
-        };
-        value.clamp(-1.0, 1.0)
     }
 }
 

@@ -1,0 +1,247 @@
+//! Where loops stand, and their frames: from pattern, lengths and turbulence to the loops that the grid then bins
+//! (MODEL.md §2 and §4).
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::bounds::box_of;
+use super::frames::{FrameSettings, Jitter, LoopInput, loop_hash, loop_shape};
+use super::grid::Planted;
+use super::length::CellLengths;
+use super::skeleton::{Face, RootHeights};
+use super::turbulence::{TurbulenceField, Wanted};
+use super::{Cancel, CellSet, LoopCounts, LoopPatch, SeenCells, SheetGeometry};
+use crate::design::{Back, Turbulence, Weave};
+
+/// Everything that the loops' shapes follow from.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct LoopsInputs {
+    pub(super) sheet: SheetGeometry,
+    pub(super) weave: Weave,
+    pub(super) roots: RootHeights,
+    pub(super) lengths: CellLengths,
+    pub(super) frames: FrameSettings,
+    pub(super) turbulence: Turbulence,
+}
+
+/// Which frames are computed.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Frames<'a> {
+    /// Those of the loops that stand in these cells.
+    Of(&'a CellSet),
+    /// Those of the loops that stand in these cells, to keep the loops that reach cells that are seen.
+    Seen(&'a CellSet, &'a SeenCells),
+    /// Both of every cell, to drop those that do not stand: what [`Skip::UnplantedLoops`](crate::render::Skip) leaves out.
+    All,
+}
+
+/// Loops of one weft.
+#[derive(Default)]
+struct Row {
+    patches: Vec<LoopPatch>,
+    warps: Vec<u32>,
+    counts: LoopCounts,
+    frames_made: u64,
+}
+
+impl LoopsInputs {
+    /// The cells in which a loop stands.
+    pub(super) fn standing(&self) -> CellSet {
+        let (warps, wefts) = (self.sheet.warps as usize, self.sheet.wefts as usize);
+        let faces = self.faces();
+        CellSet::from_fn(warps, wefts, |i, j| {
+            faces.at(i, j) != [false; 2] && self.lengths.at(j * warps + i) > 0.0
+        })
+    }
+
+    /// What frames in these cells need of the turbulence: channels that move nothing are not needed.
+    pub(super) fn wanted(&self, frames: Frames<'_>) -> Wanted {
+        let settings = &self.frames;
+        match frames {
+            Frames::Of(cells) | Frames::Seen(cells, _) => Wanted {
+                cells: cells.clone(),
+                channels: [
+                    settings.tilt,
+                    settings.tilt,
+                    settings.stretch,
+                    settings.twist,
+                ]
+                .map(|strength| strength != 0.0),
+            },
+            Frames::All => Wanted::all(&self.sheet),
+        }
+    }
+
+    /// The loops, ordered by cell, and how many frames were made for them; not all of them if `cancel` says so afterwards.
+    pub(super) fn plant(
+        &self,
+        turbulence: &TurbulenceField,
+        frames: Frames<'_>,
+        cancel: &Cancel<'_>,
+    ) -> (Planted, u64) {
+        let faces = self.faces();
+        let rows: Vec<Row> = (0..self.sheet.wefts as usize)
+            .into_par_iter()
+            .map(|j| {
+                if cancel.is_cancelled() {
+                    return Row::default();
+                }
+                match frames {
+                    Frames::Of(cells) => self.row(turbulence, &faces, cells, None, j),
+                    Frames::Seen(cells, seen) => self.row(turbulence, &faces, cells, Some(seen), j),
+                    Frames::All => self.whole_row(turbulence, &faces, j),
+                }
+            })
+            .collect();
+        let count = rows.iter().map(|row| row.patches.len()).sum();
+        let mut planted = Planted {
+            patches: Vec::with_capacity(count),
+            warps: Vec::with_capacity(count),
+            row_starts: Vec::with_capacity(rows.len() + 1),
+            base_width_mm: self.frames.base_width as f32,
+            thickness_mm: self.frames.thickness as f32,
+            counts: LoopCounts::default(),
+        };
+        let mut frames_made = 0;
+        for row in rows {
+            planted.row_starts.push(planted.patches.len());
+            planted.patches.extend_from_slice(&row.patches);
+            planted.warps.extend_from_slice(&row.warps);
+            planted.counts = planted.counts.plus(row.counts);
+            frames_made += row.frames_made;
+        }
+        planted.row_starts.push(planted.patches.len());
+        (planted, frames_made)
+    }
+
+    fn row(
+        &self,
+        turbulence: &TurbulenceField,
+        faces: &Faces,
+        cells: &CellSet,
+        seen: Option<&SeenCells>,
+        j: usize,
+    ) -> Row {
+        let mut row = Row::default();
+        for i in cells.row(j) {
+            let length = self.lengths.at(j * self.sheet.warps as usize + i);
+            for (face, stands) in FACES.into_iter().zip(faces.at(i, j)) {
+                if !stands {
+                    continue;
+                }
+                let input = self.input(turbulence, [i, j], face, length);
+                let mut counts = row.counts;
+                let shape = loop_shape(&self.frames, &input, &mut counts);
+                row.frames_made += 1;
+                if let (Some(shape), Some(seen)) = (&shape, seen)
+                    && !seen.meets_loop([i as i64, j as i64], self.box_of(shape))
+                {
+                    continue;
+                }
+                row.counts = counts;
+                if let Some(shape) = shape {
+                    row.patches.push(shape);
+                    row.warps.push(i as u32);
+                }
+            }
+        }
+        row
+    }
+
+    fn box_of(&self, shape: &LoopPatch) -> [DVec3; 2] {
+        let [base_width, thickness] = [self.frames.base_width, self.frames.thickness];
+        box_of(shape, base_width as f32, thickness as f32)
+    }
+
+    /// The same, but frames are made for both faces of every cell.
+    fn whole_row(&self, turbulence: &TurbulenceField, faces: &Faces, j: usize) -> Row {
+        let mut row = Row::default();
+        for i in 0..self.sheet.warps as usize {
+            let length = self.lengths.at(j * self.sheet.warps as usize + i);
+            for (face, stands) in FACES.into_iter().zip(faces.at(i, j)) {
+                let stands = stands && length > 0.0;
+                // Where the chart has no length any other costs as much.
+                let any = if stands {
+                    length
+                } else {
+                    self.frames.max_length
+                };
+                let input = self.input(turbulence, [i, j], face, any);
+                let mut counts = LoopCounts::default();
+                row.frames_made += 1;
+                let shape = loop_shape(&self.frames, &input, &mut counts);
+                if stands {
+                    row.counts = row.counts.plus(counts);
+                    row.warps.extend(shape.map(|_| i as u32));
+                    row.patches.extend(shape);
+                }
+            }
+        }
+        row
+    }
+
+    fn input(
+        &self,
+        turbulence: &TurbulenceField,
+        [i, j]: [usize; 2],
+        face: Face,
+        length: f64,
+    ) -> LoopInput {
+        let hash = loop_hash(self.turbulence.seed, i as u32, j as u32, face);
+        LoopInput {
+            face,
+            root_heights: self.roots.at(i, j, face),
+            length,
+            turbulence: turbulence.at(i, j).map(f64::from),
+            jitter: Jitter::new(hash),
+        }
+    }
+
+    fn faces(&self) -> Faces {
+        Faces::new(&self.weave)
+    }
+}
+
+const FACES: [Face; 2] = [Face::Front, Face::Back];
+
+/// Whether a loop stands on the front and on the back of each cell of the pattern's repeat (MODEL.md §2).
+struct Faces {
+    repeat: [usize; 2],
+    faces: Vec<[bool; 2]>,
+}
+
+impl Faces {
+    fn new(weave: &Weave) -> Self {
+        let repeat = [weave.pattern.cols(), weave.pattern.rows()];
+        let faces = |cell: usize| {
+            let (i, j) = (cell % repeat[0], cell / repeat[0]);
+            let stitch = weave.pattern.stitch(i as i64, j as i64);
+            let back = match weave.back {
+                Back::Mirror => stitch.front,
+                Back::Pattern => stitch.back,
+                Back::None => false,
+            };
+            [stitch.front, back]
+        };
+        Self {
+            repeat,
+            faces: (0..repeat[0] * repeat[1]).map(faces).collect(),
+        }
+    }
+
+    fn at(&self, i: usize, j: usize) -> [bool; 2] {
+        self.faces[j % self.repeat[1] * self.repeat[0] + i % self.repeat[0]]
+    }
+}
+
+impl LoopCounts {
+    pub(super) fn plus(self, other: Self) -> Self {
+        Self {
+            planted: self.planted + other.planted,
+            dropped: self.dropped + other.dropped,
+            repaired: self.repaired + other.repaired,
+            raised: self.raised + other.raised,
+            capped: self.capped + other.capped,
+        }
+    }
+}

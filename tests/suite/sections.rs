@@ -4,7 +4,7 @@ use renderer_core::design::{
     ChartImage, Colour, Design, Fit, LengthEntry, LengthMap, Numbers, Pattern, PileKind, preset,
 };
 use renderer_core::sampling::Pcg;
-use renderer_core::scene::{CompileError, Compiler, Scene, compile};
+use renderer_core::scene::{CompileError, Compiler, SECTIONS, Scene, compile};
 
 /// A small sheet with small volumes.
 fn small() -> Design {
@@ -17,27 +17,11 @@ fn small() -> Design {
 
 /// Names of the sections that differ.
 fn changed(a: &Scene, b: &Scene) -> Vec<&'static str> {
-    let Scene {
-        sheet,
-        loops,
-        looks,
-        volumes,
-        pile,
-        skeleton,
-        lights,
-    } = a;
-    [
-        ("sheet", *sheet != b.sheet),
-        ("loops", *loops != b.loops),
-        ("looks", *looks != b.looks),
-        ("volumes", *volumes != b.volumes),
-        ("pile", *pile != b.pile),
-        ("skeleton", *skeleton != b.skeleton),
-        ("lights", *lights != b.lights),
-    ]
-    .into_iter()
-    .filter_map(|(name, differs)| differs.then_some(name))
-    .collect()
+    let same = a.same_sections(b);
+    let names = SECTIONS.into_iter().zip(same);
+    names
+        .filter_map(|(name, is_same)| (!is_same).then_some(name))
+        .collect()
 }
 
 /// Sections that change when the design does.

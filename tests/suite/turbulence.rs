@@ -1,6 +1,9 @@
 //! The turbulence field (MODEL.md §3).
 
+use noise::core::{perlin::perlin_2d, simplex::simplex_2d, worley};
+use noise::permutationtable::PermutationTable;
 use renderer_core::design::{Filter, NoiseKind, Turbulence};
+use renderer_core::sampling::{hash_with, unit_float};
 use renderer_core::scene::{SheetGeometry, TurbulenceField};
 
 fn sheet(cells: u32, pitch_mm: f64) -> SheetGeometry {
@@ -52,6 +55,73 @@ fn largest_step(field: &TurbulenceField) -> f64 {
         }
     }
     largest
+}
+
+/// T_c of MODEL.md §3 straight from the crate, for a cell of a sheet with square cells.
+fn by_the_crate(turbulence: &Turbulence, channel: u32, cell: [usize; 2], pitch_mm: f64) -> f64 {
+    let seed = hash_with(turbulence.seed, channel);
+    let table = PermutationTable::new(seed);
+    let octave = |frequency: f64| {
+        let point = [0, 1].map(|axis| {
+            let offset = 0.1 + 0.8 * f64::from(unit_float(hash_with(seed, 1 + axis as u32)));
+            frequency * ((cell[axis] as f64 + 0.5) * pitch_mm) + offset
+        });
+        let value = match turbulence.kind {
+            NoiseKind::Fbm => perlin_2d(point.into(), &table),
+            NoiseKind::Turbulence => 2.0 * perlin_2d(point.into(), &table).abs() - 1.0 + 0.315,
+            NoiseKind::Simplex => simplex_2d(point.into(), &table).0,
+            NoiseKind::Worley => worley::worley_2d(
+                &table,
+                worley::distance_functions::euclidean,
+                worley::ReturnType::Distance,
+                point.into(),
+            ),
+        };
+        value.clamp(-1.0, 1.0)
+    };
+    let (mut sum, mut amplitudes) = (0.0, 0.0);
+    let (mut frequency, mut amplitude) = (turbulence.frequency, 1.0);
+    for _ in 0..turbulence.octaves {
+        sum += amplitude * octave(frequency);
+        amplitudes += amplitude;
+        frequency *= turbulence.lacunarity;
+        amplitude *= turbulence.gain;
+    }
+    (sum / amplitudes).clamp(-1.0, 1.0)
+}
+
+#[test]
+fn the_field_is_the_crates_noise_to_the_bit() {
+    for kind in [
+        NoiseKind::Fbm,
+        NoiseKind::Turbulence,
+        NoiseKind::Simplex,
+        NoiseKind::Worley,
+    ] {
+        // From many cells in a cell of the lattice to many of its cells between neighbours, past the 256 that repeat.
+        for (frequency, octaves, pitch) in [(0.01, 3, 0.5), (0.31, 2, 0.75), (1.7, 2, 2.9)] {
+            let turbulence = Turbulence {
+                frequency,
+                octaves,
+                seed: 7,
+                ..turbulence(kind)
+            };
+            let field = TurbulenceField::new(&sheet(120, pitch), &turbulence);
+            for (j, i) in (0..120)
+                .step_by(7)
+                .flat_map(|j| (0..120).map(move |i| (j, i)))
+            {
+                for (c, value) in field.at(i, j).into_iter().enumerate() {
+                    let wanted = by_the_crate(&turbulence, c as u32, [i, j], pitch) as f32;
+                    assert_eq!(
+                        value.to_bits(),
+                        wanted.to_bits(),
+                        "{kind:?}, {frequency}/mm, channel {c} of cell ({i}, {j})"
+                    );
+                }
+            }
+        }
+    }
 }
 
 #[test]

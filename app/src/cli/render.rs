@@ -13,7 +13,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use renderer_core::design::{Design, Method, Quality};
 use renderer_core::image::{Background, Depth, Display, ExrLayer};
 use renderer_core::render::{Camera, Settings, Skip, Skips};
-use renderer_core::scene;
+use renderer_core::scene::{self, Compiler};
 
 use super::stats::{Bytes, Seconds, Stats, scene_bytes};
 use super::{BadArgument, arguments};
@@ -121,8 +121,8 @@ pub fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
     }
     seconds.open = start.elapsed().as_secs_f64();
 
-    let scene = timed(&mut seconds.compile, || scene::compile(design))?;
-    let scene = Arc::new(scene);
+    let mut compiler = Compiler::new(skips(arguments));
+    let scene = timed(&mut seconds.compile, || compiler.compile(design))?;
     if !arguments.quiet {
         for warning in &opened.warnings {
             eprintln!("warning: {warning}");
@@ -197,6 +197,7 @@ pub fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
             bands: made.bands,
             loops: scene.loops.counts.planted,
             dropped_loops: scene.loops.counts.dropped,
+            compile: (*compiler.last_report()).into(),
             seconds,
             counters,
             error_estimate: made.error_estimate,
@@ -306,8 +307,14 @@ fn settings(design: &Design, arguments: &RenderArguments, format: &Format) -> Se
         shadows: preset.shadows,
         aov: matches!(format, Format::Exr(layers) if layers.iter().any(|l| *l != ExrLayer::Alpha)),
         counters: arguments.counters,
-        skips: (arguments.no_skip.iter()).fold(Skips::ALL, |skips, &skip| skips.without(skip)),
+        skips: skips(arguments),
     }
+}
+
+/// The work to leave out.
+fn skips(arguments: &RenderArguments) -> Skips {
+    let no_skip = arguments.no_skip.iter();
+    no_skip.fold(Skips::ALL, |skips, &skip| skips.without(skip))
 }
 
 /// The progress bar: drawn on stderr, and only if that is a terminal.

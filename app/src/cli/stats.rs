@@ -1,7 +1,7 @@
 //! The file that `render --stats` writes: what was rendered, with what, how long each part took, and how good it is.
 
 use renderer_core::render::Counters;
-use renderer_core::scene::Scene;
+use renderer_core::scene::{CompileReport, Scene, StageSeconds};
 use serde::Serialize;
 
 /// The whole file.
@@ -27,6 +27,8 @@ pub struct Stats {
     pub loops: u64,
     /// Loops left out because they were degenerate.
     pub dropped_loops: u64,
+    /// What compiling the scene took.
+    pub compile: CompileJson,
     /// Wall-clock times.
     pub seconds: Seconds,
     /// Work done, when asked for.
@@ -59,6 +61,55 @@ pub struct Seconds {
     pub write: f64,
     /// From the program's start to here.
     pub total: f64,
+}
+
+/// [`CompileReport`] as written.
+#[derive(Debug, Serialize)]
+pub struct CompileJson {
+    sections_kept: u64,
+    frames_made: u64,
+    frames_left_out: u64,
+    seconds: StagesJson,
+}
+
+/// [`StageSeconds`] as written.
+#[derive(Debug, Serialize)]
+struct StagesJson {
+    turbulence: f64,
+    lengths: f64,
+    frames: f64,
+    grid: f64,
+    looks: f64,
+    volumes: f64,
+    total: f64,
+}
+
+impl From<CompileReport> for CompileJson {
+    fn from(report: CompileReport) -> Self {
+        let StageSeconds {
+            turbulence,
+            lengths,
+            frames,
+            grid,
+            looks,
+            volumes,
+            total,
+        } = report.seconds;
+        Self {
+            sections_kept: report.sections_kept(),
+            frames_made: report.frames_made,
+            frames_left_out: report.frames_left_out,
+            seconds: StagesJson {
+                turbulence,
+                lengths,
+                frames,
+                grid,
+                looks,
+                volumes,
+                total,
+            },
+        }
+    }
 }
 
 /// Sizes in memory, bytes.

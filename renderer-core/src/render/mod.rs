@@ -8,11 +8,13 @@ pub mod accumulation;
 mod background;
 mod camera;
 pub mod convergence;
+mod first_look;
 pub mod progressive;
 mod skips;
 
 pub use background::{background_tiles, cloth_box, z_range_mm};
 pub use camera::{Camera, Projection, RayTile};
+pub use first_look::FirstLook;
 pub use skips::{Skip, Skips};
 
 use std::sync::Arc;

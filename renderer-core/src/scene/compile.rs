@@ -216,6 +216,12 @@ impl Compiler {
         self.make(design, Some(seen), cancel)
     }
 
+    /// Whether the loops of a design are there already, so that a scene for a first look saves nothing.
+    pub fn has_loops_of(&mut self, design: &Design) -> bool {
+        let inputs = self.loops_inputs(design);
+        kept(self.loops.as_ref(), &inputs).is_some()
+    }
+
     /// What the last compilation did; of one that failed, as far as it came.
     pub fn last_report(&self) -> &CompileReport {
         &self.report
@@ -243,14 +249,7 @@ impl Compiler {
         let materials = Materials::new(design);
         let optics = PileOptics::new(design, &materials);
 
-        let loops_inputs = LoopsInputs {
-            sheet,
-            weave: design.weave.clone(),
-            roots: RootHeights::new(&skeleton, &sheet, design.pile.base_width),
-            lengths: self.lengths_of(design, &sheet),
-            frames: FrameSettings::new(&design.pile),
-            turbulence: design.turbulence.clone(),
-        };
+        let loops_inputs = self.loops_inputs(design);
         let kept_loops = kept(self.loops.as_ref(), &loops_inputs);
         let is_part = seen.is_some() && kept_loops.is_none();
         let loops = match kept_loops {
@@ -313,6 +312,19 @@ impl Compiler {
         };
         self.scene = Some(Arc::clone(&scene));
         Ok(SeenScene::Whole(scene))
+    }
+
+    fn loops_inputs(&mut self, design: &Design) -> LoopsInputs {
+        let sheet = SheetGeometry::new(design);
+        let skeleton = Skeleton::new(&design.weave, &design.skeleton);
+        LoopsInputs {
+            sheet,
+            weave: design.weave.clone(),
+            roots: RootHeights::new(&skeleton, &sheet, design.pile.base_width),
+            lengths: self.lengths_of(design, &sheet),
+            frames: FrameSettings::new(&design.pile),
+            turbulence: design.turbulence.clone(),
+        }
     }
 
     fn lengths_of(&mut self, design: &Design, sheet: &SheetGeometry) -> CellLengths {

@@ -12,7 +12,8 @@ use crate::design::Design;
 /// Slack around every bound, as a share of the farthest reach: twice what the grid allows for f32 rounding.
 const SLACK: f64 = 2e-5;
 
-/// How far from the centre of its own cell any loop of a design can be, whatever its turbulence.
+/// How far from the centre of its own cell any loop of a design can be, whatever its turbulence, and how high and how deep
+/// loops and ground yarns lie.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PileReach {
     /// The sheet.
@@ -30,7 +31,12 @@ impl PileReach {
         let skeleton = Skeleton::new(&design.weave, &design.skeleton);
         let frames = FrameSettings::new(&design.pile);
         let roots = RootHeights::new(&skeleton, &sheet, frames.base_width);
-        Self::of_frames(&sheet, &frames, &roots, design.length.longest())
+        let mut reach = Self::of_frames(&sheet, &frames, &roots, design.length.longest());
+        let radius = skeleton.warp_radius_mm.max(skeleton.weft_radius_mm);
+        let yarns = f64::from(radius + skeleton.crimp_mm);
+        reach.low_mm[2] = reach.low_mm[2].min(-yarns);
+        reach.high_mm[2] = reach.high_mm[2].max(yarns);
+        reach
     }
 
     /// The reach of loops of these frames that are at most so long before stretch and jitter.
@@ -148,6 +154,63 @@ impl SeenCells {
         self.cells = self.cells.spread([-x, x], [-y, y]);
     }
 
+    /// These and those of `other`, made for the same reach.
+    #[must_use]
+    pub fn or(self, other: &Self) -> Self {
+        Self {
+            cells: self.cells.or(&other.cells),
+            ..self
+        }
+    }
+
+    /// Corners of the box that holds all cells which loops can reach, as high as these, mm.
+    pub fn bounds_mm(&self) -> [[f64; 3]; 2] {
+        let reach = &self.reach;
+        let half = |axis: usize| 0.5 * self.size_mm(axis);
+        let (x, y) = (half(0), half(1));
+        [[-x, -y, reach.low_mm[2]], [x, y, reach.high_mm[2]]]
+    }
+
+    /// Size of the grid, margin included, along x or y, mm.
+    fn size_mm(&self, axis: usize) -> f64 {
+        let SheetGeometry {
+            warps,
+            wefts,
+            pitch_x_mm,
+            pitch_y_mm,
+        } = self.reach.sheet;
+        let cells = f64::from([warps, wefts][axis]) + 2.0 * self.margin[axis] as f64;
+        cells * [pitch_x_mm, pitch_y_mm][axis]
+    }
+
+    /// The wefts that lie between two y, mm, as far as loops can reach them.
+    pub fn wefts_between(&self, low_mm: f64, high_mm: f64) -> RangeInclusive<i64> {
+        let wefts = i64::from(self.reach.sheet.wefts);
+        let [first, last] = [low_mm, high_mm].map(|y| self.cell_at(1, y));
+        first.max(-self.margin[1])..=last.min(wefts + self.margin[1] - 1)
+    }
+
+    /// The warps that lie between two x, mm; they may be beyond what loops can reach.
+    pub fn warps_between(&self, low_mm: f64, high_mm: f64) -> RangeInclusive<i64> {
+        self.cell_at(0, low_mm)..=self.cell_at(0, high_mm)
+    }
+
+    /// Lowest and highest y of weft `j`, mm.
+    pub fn weft_mm(&self, j: i64) -> [f64; 2] {
+        let sheet = &self.reach.sheet;
+        [0.0, 1.0].map(|edge| (j as f64 + edge - 0.5 * f64::from(sheet.wefts)) * sheet.pitch_y_mm)
+    }
+
+    /// Number of the warp or weft at x or y.
+    fn cell_at(&self, axis: usize, mm: f64) -> i64 {
+        let sheet = &self.reach.sheet;
+        let (cells, pitch) = [
+            (sheet.warps, sheet.pitch_x_mm),
+            (sheet.wefts, sheet.pitch_y_mm),
+        ][axis];
+        (mm / pitch + 0.5 * f64::from(cells)).floor() as i64
+    }
+
     /// How many there are.
     pub fn len(&self) -> usize {
         self.cells.len()
@@ -185,10 +248,5 @@ impl SeenCells {
         CellSet::from_fn(warps as usize, wefts as usize, |i, j| {
             within.contains(i + left, j + near)
         })
-    }
-
-    /// The reach of loops that they were made for.
-    pub fn reach(&self) -> &PileReach {
-        &self.reach
     }
 }

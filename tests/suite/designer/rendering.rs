@@ -37,6 +37,8 @@ struct Script {
     compiles: AtomicBool,
     /// Slices that GPUs and the processor drew.
     drew: [AtomicU32; 2],
+    /// Pictures begun: their sizes, and how many loops their scenes have.
+    begun: Mutex<Vec<([u32; 2], u64)>>,
 }
 
 impl Script {
@@ -92,6 +94,10 @@ impl Backend for Scripted {
 
     fn begin(&mut self, request: &RenderRequest) -> Result<(), RenderError> {
         self.count();
+        let loops = request.scene.loops.counts.planted;
+        let mut begun = self.script.begun.lock().unwrap();
+        begun.push((request.size, loops));
+        drop(begun);
         let side = self.script.memory_side.load(Ordering::SeqCst);
         if self.on_gpu && side > 0 && request.size.iter().any(|&s| s > side) {
             return Err(RenderError::OutOfMemory("no room for the sums".into()));
@@ -426,4 +432,43 @@ fn an_edit_gives_up_a_scene_in_the_making() {
         "{:?}",
         start.elapsed()
     );
+}
+
+#[test]
+fn an_edit_of_many_loops_is_seen_before_all_of_them_are_made() {
+    let script = Arc::new(Script::default());
+    let mut harness = scripted(&script);
+    wait(&mut harness, "the picture", has_whole_picture);
+    // A near view of many loops: only some of them are seen.
+    type_number(&mut harness, "Warps", "700");
+    type_number(&mut harness, "Wefts", "700");
+    wait(&mut harness, "the large cloth", |h| {
+        design(h).sheet.wefts == 700
+            && h.state().viewport().shown().counts.planted > 200_000
+            && has_whole_picture(h)
+    });
+    let edit = |harness: &mut Harness<'_, App>, field: &str, value: &str| {
+        script.begun.lock().unwrap().clear();
+        let before = harness.state().viewport().shown().version;
+        type_number(harness, field, value);
+        wait(harness, "the edited cloth", |h| {
+            h.state().viewport().shown().version > before && has_whole_picture(h)
+        });
+        let begun = script.begun.lock().unwrap().clone();
+        (begun, harness.state().viewport().shown().counts.planted)
+    };
+    let (begun, all) = edit(&mut harness, "Lean sideways", "30");
+    let (size, seen) = begun[0];
+    assert!(seen < all / 2, "{seen} of {all} loops are made first");
+    let (last_size, last) = begun[begun.len() - 1];
+    assert!(last == all && size < last_size, "{begun:?}");
+    assert!(
+        begun[1..].iter().all(|&(_, loops)| loops == all),
+        "{begun:?}"
+    );
+
+    // Loops that are there are not made again for a first look.
+    open_panel(&mut harness, "View & quality");
+    let (begun, all) = edit(&mut harness, "Bounces", "5");
+    assert!(begun.iter().all(|&(_, loops)| loops == all), "{begun:?}");
 }

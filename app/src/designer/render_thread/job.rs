@@ -70,14 +70,17 @@ impl Job {
 
     /// What the backend has to draw now: the picture at a fraction of its size with few samples, or all of it.
     pub fn in_work(&self) -> RenderRequest {
-        let mut reduced = self.request.clone();
-        if self.divisor > 1 {
-            reduced.size = self.request.size.map(|side| side.div_ceil(self.divisor));
-            reduced.crop = [0, 0, reduced.size[0], reduced.size[1]];
-            reduced.settings.samples = REDUCED_SAMPLES;
-            reduced.settings.error = 0.0;
+        if self.divisor == 1 {
+            return self.request.clone();
         }
-        reduced
+        reduced(&self.request, self.divisor)
+    }
+
+    /// The picture at a fraction of its size with one sample, for a first look.
+    pub fn glance(request: &RenderRequest, divisor: u32) -> RenderRequest {
+        let mut glance = reduced(request, divisor);
+        glance.settings.samples = 1;
+        glance
     }
 
     /// Notes work of `seconds`. Seconds for a sample of a pixel if they can be told, and whether the picture should be
@@ -150,8 +153,17 @@ impl Job {
     }
 }
 
+fn reduced(request: &RenderRequest, divisor: u32) -> RenderRequest {
+    let mut reduced = request.clone();
+    reduced.size = request.size.map(|side| side.div_ceil(divisor));
+    reduced.crop = [0, 0, reduced.size[0], reduced.size[1]];
+    reduced.settings.samples = REDUCED_SAMPLES;
+    reduced.settings.error = 0.0;
+    reduced
+}
+
 /// The divisor at which one sample takes less than [`FIRST_PICTURE`].
-fn first_divisor(cost: Option<f64>, size: [u32; 2]) -> u32 {
+pub fn first_divisor(cost: Option<f64>, size: [u32; 2]) -> u32 {
     let Some(cost) = cost else {
         return MOST_REDUCED;
     };

@@ -7,6 +7,7 @@
 //! samples they have.
 
 mod fallback;
+mod first_look;
 mod job;
 mod worker;
 

@@ -7,9 +7,10 @@ use std::time::{Duration, Instant};
 use renderer_core::design::Design;
 use renderer_core::image::Display;
 use renderer_core::render::{Camera, Progress, RenderError, RenderRequest};
-use renderer_core::scene::{self, Cancel, CompileError, Compiler, Scene};
+use renderer_core::scene::{self, Cancel, CompileError, Compiler, Scene, SeenScene};
 
 use super::fallback::{Fallback, Remedy};
+use super::first_look;
 use super::job::Job;
 use super::{Activity, Shared, Shown, Wish, lock};
 use crate::backend::BackendChoice;
@@ -58,6 +59,8 @@ pub struct Worker<'a> {
     compiled: Option<(Arc<Design>, Arc<Scene>)>,
     /// Since when scenes have been given up without one being finished.
     giving_up: Option<Instant>,
+    /// How long the loops of the last scene took that was made with new ones.
+    loops_took: Duration,
     job: Option<Job>,
     developer: Developer,
     /// How the last picture was shown.
@@ -80,6 +83,7 @@ impl<'a> Worker<'a> {
             compiler: Compiler::default(),
             compiled: None,
             giving_up: None,
+            loops_took: Duration::ZERO,
             job: None,
             developer: Developer::default(),
             display: None,
@@ -154,7 +158,8 @@ impl<'a> Worker<'a> {
         let Some(wish) = self.wish.clone() else {
             return Ok(());
         };
-        let scene = self.scene_of(&wish.design)?;
+        let was_glimpsed = self.glimpse(&wish)?;
+        let scene = self.scene_of(&wish.design, was_glimpsed)?;
         if self.fallback.choose(wish.choice, wish.attempt) {
             self.renderer = None;
             self.stand_in = None;
@@ -182,7 +187,103 @@ impl<'a> Worker<'a> {
         self.begin()
     }
 
-    fn scene_of(&mut self, design: &Arc<Design>) -> Result<Arc<Scene>, CompileError> {
+    /// Shows a coarse picture of a design whose scene will take long, from a scene with only those loops that it needs. True
+    /// if there is something to see.
+    fn glimpse(&mut self, wish: &Wish) -> Result<bool, Failure> {
+        let start = Instant::now();
+        let cancel = &self.shared.cancel;
+        let is_given_up = || cancel.load(Ordering::Relaxed) && start.elapsed() > FINISHED_ANYWAY;
+        let Some(request) = self.glance(wish, &is_given_up)? else {
+            return Ok(false);
+        };
+        // Whatever was in work is of another design.
+        self.job = None;
+        let Some((_, renderer)) = &mut self.renderer else {
+            return Ok(false);
+        };
+        let backend = renderer.backend();
+        workers::with_all(|| backend.begin(&request))?;
+        let never = AtomicBool::new(false);
+        let mut progress = Progress::default();
+        while !progress.done {
+            if is_given_up() {
+                return Ok(false);
+            }
+            progress = advance(renderer, &never)?;
+        }
+        let developer = &mut self.developer;
+        let image = workers::with_all(|| developer.shoot(renderer, wish.display, 0.0))?;
+        self.display = Some(wish.display);
+        self.publish(|shown| {
+            shown.image = image;
+            shown.version += 1;
+            shown.progress = Progress {
+                done: false,
+                ..progress
+            };
+            shown.is_reduced = true;
+            shown.is_first = true;
+            shown.is_unseen = false;
+            shown.error = None;
+            shown.seconds = start.elapsed().as_secs_f64();
+        });
+        Ok(true)
+    }
+
+    /// What to draw for a first look at a wish, if its scene will take long; `None` if not, or if it is there.
+    fn glance(
+        &mut self,
+        wish: &Wish,
+        is_given_up: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Option<RenderRequest>, Failure> {
+        let is_edit = (self.compiled.as_ref())
+            .is_some_and(|(compiled, _)| !Arc::ptr_eq(compiled, &wish.design));
+        let choice = wish.choice.for_method(wish.design.quality.method);
+        let choice = self.fallback.effective(choice);
+        let largest_side = match &mut self.renderer {
+            Some((made, renderer)) if *made == choice => renderer.backend().largest_side(),
+            _ => return Ok(None),
+        };
+        if !is_edit
+            || self.loops_took < first_look::WORTH_IT
+            || !wish.design.faults().is_empty()
+            || self.compiler.has_loops_of(&wish.design)
+        {
+            return Ok(None);
+        }
+        let size = self.fallback.fitted(wish.size, largest_side);
+        let settings = wish.light.settings(&wish.design);
+        let camera = Camera::from_design(&wish.camera);
+        let plan = workers::with_all(|| {
+            first_look::plan(&wish.design, &camera, size, &settings, self.cost)
+        });
+        let Some(look) = plan else {
+            return Ok(None);
+        };
+        self.publish(|shown| shown.activity = Activity::Compiling);
+        let compiler = &mut self.compiler;
+        let made = workers::with_all(|| {
+            compiler.compile_seen(&wish.design, &look.seen, &Cancel::when(is_given_up))
+        })?;
+        let SeenScene::Part(scene) = made else {
+            return Ok(None);
+        };
+        let whole = RenderRequest {
+            scene,
+            camera,
+            size,
+            crop: [0, 0, size[0], size[1]],
+            settings,
+        };
+        Ok(Some(Job::glance(&whole, look.divisor)))
+    }
+
+    /// The scene of a design; given up for a newer wish sooner where something of it could be seen already.
+    fn scene_of(
+        &mut self,
+        design: &Arc<Design>,
+        was_glimpsed: bool,
+    ) -> Result<Arc<Scene>, CompileError> {
         if let Some((compiled, scene)) = &self.compiled
             && Arc::ptr_eq(compiled, design)
         {
@@ -195,20 +296,24 @@ impl<'a> Worker<'a> {
         let (start, giving_up) = (Instant::now(), self.giving_up);
         let cancel = &self.shared.cancel;
         let is_given_up = || {
-            cancel.load(Ordering::Relaxed)
-                && start.elapsed() > FINISHED_ANYWAY
-                && giving_up.is_none_or(|since| since.elapsed() < GIVING_UP)
+            let shows_nothing_else = !was_glimpsed
+                && (start.elapsed() <= FINISHED_ANYWAY
+                    || giving_up.is_some_and(|since| since.elapsed() >= GIVING_UP));
+            cancel.load(Ordering::Relaxed) && !shows_nothing_else
         };
         let compiler = &mut self.compiler;
         let compiled = workers::with_all(|| {
             compiler.compile_unless_cancelled(design, &Cancel::when(&is_given_up))
         });
-        if compiled == Err(CompileError::Cancelled) {
+        if compiled == Err(CompileError::Cancelled) && !was_glimpsed {
             self.giving_up.get_or_insert(start);
         } else {
             self.giving_up = None;
         }
         let scene = compiled?;
+        if self.compiler.last_report().frames_made > 0 {
+            self.loops_took = start.elapsed();
+        }
         let warnings = scene::warnings(design, &scene);
         self.publish(|shown| {
             // Where the picture stays the same, so does what is being done.

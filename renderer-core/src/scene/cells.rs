@@ -137,6 +137,25 @@ impl CellSet {
         self.words.iter().map(ones).sum()
     }
 
+    /// Every `step`th of the cells, counted row by row.
+    #[must_use]
+    pub fn every(&self, step: usize) -> Self {
+        let mut some = Self::none(self.warps, self.wefts());
+        let mut next = 0;
+        for j in 0..self.wefts() {
+            let words = self.words_of(j).iter();
+            let count: usize = words.map(|word| word.count_ones() as usize).sum();
+            if next < count {
+                for i in self.row(j).skip(next).step_by(step) {
+                    some.insert(j, i as i64..=i as i64);
+                }
+                next += (count - next).div_ceil(step) * step;
+            }
+            next -= count;
+        }
+        some
+    }
+
     /// Whether it holds no cell.
     pub fn is_empty(&self) -> bool {
         self.words.iter().all(|&word| word == 0)

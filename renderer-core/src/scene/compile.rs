@@ -31,8 +31,8 @@ use super::skeleton::RootHeights;
 use super::turbulence::TurbulenceField;
 use super::volumes::rasterise_unless_cancelled;
 use super::{
-    Lights, LoopLook, Loops, PileOptics, Scene, Section, SeenCells, SheetGeometry, Skeleton,
-    Volumes,
+    CellSet, Lights, LoopLook, Loops, PileOptics, Scene, Section, SeenCells, SheetGeometry,
+    Skeleton, Volumes,
 };
 use crate::design::{
     Chart, Colour, Design, Fault, Filter, Length, Phase, Pile, PileKind, Turbulence, Warning,
@@ -355,21 +355,19 @@ impl Compiler {
         seen: Option<&SeenCells>,
         cancel: &Cancel<'_>,
     ) -> Result<Loops, CompileError> {
-        let cells = timed(&mut self.report.seconds.lengths, || {
+        let (standing, cells) = timed(&mut self.report.seconds.lengths, || {
             let standing = inputs.standing();
-            match seen {
-                Some(seen) => standing.and(&seen.planted_in()),
-                None => standing,
-            }
+            let cells = seen.map(|seen| seen.planted_in().and(&standing));
+            (standing, cells)
         });
-        let frames = match seen {
-            Some(seen) => Frames::Seen(&cells, seen),
-            None if self.skips.has(Skip::UnplantedLoops) => Frames::Of(&cells),
-            None => Frames::All,
+        let frames = match (seen, &cells) {
+            (Some(seen), Some(cells)) => Frames::Seen(cells, seen),
+            _ if self.skips.has(Skip::UnplantedLoops) => Frames::Of(&standing),
+            _ => Frames::All,
         };
-        let turbulence = self.turbulence_of(inputs, frames, cancel)?;
+        let turbulence = self.turbulence_of(inputs, frames, &standing, cancel)?;
         let (planted, frames_made) = timed(&mut self.report.seconds.frames, || {
-            inputs.plant(&turbulence, frames, cancel)
+            inputs.plant(&turbulence, frames, &standing, cancel)
         });
         cancel.check()?;
         let sheet = &inputs.sheet;
@@ -394,9 +392,10 @@ impl Compiler {
         &mut self,
         inputs: &LoopsInputs,
         frames: Frames<'_>,
+        standing: &CellSet,
         cancel: &Cancel<'_>,
     ) -> Result<Arc<TurbulenceField>, CompileError> {
-        let wanted = inputs.wanted(frames);
+        let wanted = inputs.wanted(frames, standing);
         let (sheet, turbulence) = (inputs.sheet, &inputs.turbulence);
         let last = self.turbulence.take();
         let last = last.filter(|((old_sheet, old), field)| {

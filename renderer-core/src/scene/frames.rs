@@ -70,6 +70,20 @@ impl FrameSettings {
     }
 }
 
+impl FrameSettings {
+    /// The longest that loops get whose lengths from the chart are at most `chart_mm`.
+    pub(super) fn longest_mm(&self, chart_mm: f64) -> f64 {
+        let [.., length_jitter] = self.jitter;
+        (chart_mm * (1.0 + self.stretch + length_jitter)).min(self.max_length)
+    }
+
+    /// The longest that half the top edge gets where the heights of roots differ by at most `step_mm`: ratios of the top's
+    /// width to the root's are moved towards 1 where they are.
+    pub(super) fn half_top_mm(&self, step_mm: f64) -> f64 {
+        0.5 * self.top_ratio.max(1.0) * self.base_width.hypot(step_mm)
+    }
+}
+
 /// What one loop has of its own.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoopInput {

@@ -122,6 +122,14 @@ impl CellLengths {
         }
     }
 
+    /// The longest, mm.
+    pub(super) fn longest(&self) -> f64 {
+        f64::from(match self {
+            Self::Uniform(length) => *length,
+            Self::Each(lengths) => lengths.par_iter().copied().reduce(|| 0.0, f32::max),
+        })
+    }
+
     /// Length of the cell with row-by-row index `cell`.
     pub(super) fn at(&self, cell: usize) -> f64 {
         f64::from(match self {

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::bounds::box_of;
 use super::frames::{FrameSettings, Jitter, LoopInput, loop_hash, loop_shape};
-use super::grid::Planted;
+use super::grid::{Planted, WholePile};
 use super::length::CellLengths;
 use super::skeleton::{Face, RootHeights};
 use super::turbulence::{TurbulenceField, Wanted};
@@ -54,12 +54,48 @@ impl LoopsInputs {
         })
     }
 
+    /// How many loops stand in these cells.
+    pub(super) fn loops_in(&self, cells: &CellSet) -> u64 {
+        let faces = self.faces();
+        let of_cell = |[front, back]: [bool; 2]| u64::from(front) + u64::from(back);
+        let of_row = |j: usize| cells.row(j).map(|i| of_cell(faces.at(i, j))).sum::<u64>();
+        (0..cells.wefts()).into_par_iter().map(of_row).sum()
+    }
+
+    /// What the grid has to know of the whole pile, which stands in these cells; the turbulence has those of
+    /// [`Self::sampled`].
+    pub(super) fn whole_pile(&self, turbulence: &TurbulenceField, standing: &CellSet) -> WholePile {
+        let ([low, high], step) = self.roots.range();
+        let longest = self.frames.longest_mm(self.lengths.longest());
+        let half_top = self.frames.half_top_mm(step);
+        let largest = longest.max(half_top).max(high).max(-low);
+        let (cells, faces) = (Self::sampled(standing), self.faces());
+        let samples = (0..cells.wefts()).into_par_iter().flat_map_iter(|j| {
+            let Row { patches, warps, .. } = self.row(turbulence, &faces, &cells, None, j);
+            let cells = warps.into_iter().map(move |i| [i, j as u32]);
+            cells.zip(patches)
+        });
+        WholePile {
+            // Patches are stored as f32.
+            largest_mm: largest * (1.0 + f64::from(f32::EPSILON)),
+            loops: self.loops_in(standing),
+            samples: samples.collect(),
+        }
+    }
+
+    /// Some cells from all over the sheet, to choose the size of blocks by.
+    pub(super) fn sampled(standing: &CellSet) -> CellSet {
+        /// Enough to know the mean length of lists to a few per cent.
+        const SAMPLES: usize = 4096;
+        standing.every(standing.len() / SAMPLES + 1)
+    }
+
     /// What frames in these cells need of the turbulence: channels that move nothing are not needed.
-    pub(super) fn wanted(&self, frames: Frames<'_>) -> Wanted {
+    pub(super) fn wanted(&self, frames: Frames<'_>, standing: &CellSet) -> Wanted {
         let settings = &self.frames;
         match frames {
             Frames::Of(cells) | Frames::Seen(cells, _) => Wanted {
-                cells: cells.clone(),
+                cells: cells.clone().or(&Self::sampled(standing)),
                 channels: [
                     settings.tilt,
                     settings.tilt,
@@ -77,6 +113,7 @@ impl LoopsInputs {
         &self,
         turbulence: &TurbulenceField,
         frames: Frames<'_>,
+        standing: &CellSet,
         cancel: &Cancel<'_>,
     ) -> (Planted, u64) {
         let faces = self.faces();
@@ -101,6 +138,7 @@ impl LoopsInputs {
             base_width_mm: self.frames.base_width as f32,
             thickness_mm: self.frames.thickness as f32,
             counts: LoopCounts::default(),
+            whole: self.whole_pile(turbulence, standing),
         };
         let mut frames_made = 0;
         for row in rows {

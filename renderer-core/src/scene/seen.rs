@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use glam::DVec3;
 
 use super::frames::{FrameSettings, MAX_LEAN};
-use super::skeleton::{Face, RootHeights};
+use super::skeleton::RootHeights;
 use super::{CellSet, SheetGeometry, Skeleton};
 use crate::design::Design;
 
@@ -46,9 +46,8 @@ impl PileReach {
         roots: &RootHeights,
         longest_mm: f64,
     ) -> Self {
-        let [lean_jitter, _, length_jitter] = frames.jitter;
-        let length = longest_mm * (1.0 + frames.stretch + length_jitter);
-        let length = length.min(frames.max_length);
+        let [lean_jitter, ..] = frames.jitter;
+        let length = frames.longest_mm(longest_mm);
         // No part of the axis across the sheet is longer than the lean along it, nor than all of the steepest lean.
         let spread = frames.tilt + lean_jitter;
         let steepest = MAX_LEAN.sin();
@@ -57,17 +56,8 @@ impl PileReach {
             .map(|lean| (lean - spread).clamp(-steepest, 0.0));
         let high_lean = frames.lean.map(|lean| (lean + spread).clamp(0.0, steepest));
 
-        let heights = || {
-            [Face::Front, Face::Back]
-                .into_iter()
-                .flat_map(|face| roots.of_face(face))
-        };
-        let low_root = heights().flatten().fold(0.0, |low: f64, h| low.min(*h));
-        let high_root = heights().flatten().fold(0.0, |high: f64, h| high.max(*h));
-        let steps = heights().map(|[h0, h1]| (h1 - h0).abs());
-        let step = steps.fold(0.0, f64::max);
-        // Ratios of the top's width to the root's are moved towards 1 where they are.
-        let half_top = 0.5 * frames.top_ratio.max(1.0) * frames.base_width.hypot(step);
+        let ([low_root, high_root], step) = roots.range();
+        let half_top = frames.half_top_mm(step);
         let half_thickness = 0.5 * frames.thickness;
 
         let root = DVec3::new(0.0, 0.5 * frames.base_width, 0.0);

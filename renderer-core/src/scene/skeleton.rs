@@ -156,12 +156,20 @@ impl RootHeights {
         }
     }
 
-    /// The heights of all cells of the repeat on one face.
-    pub(super) fn of_face(&self, face: Face) -> &[[f64; 2]] {
+    fn of_face(&self, face: Face) -> &[[f64; 2]] {
         match face {
             Face::Front => &self.front,
             Face::Back => &self.back,
         }
+    }
+
+    /// Lowest and highest, zero among them, and by how much those of one loop differ at most.
+    pub(super) fn range(&self) -> ([f64; 2], f64) {
+        let heights = || self.front.iter().chain(&self.back);
+        let low = heights().flatten().fold(0.0, |low: f64, h| low.min(*h));
+        let high = heights().flatten().fold(0.0, |high: f64, h| high.max(*h));
+        let steps = heights().map(|[h0, h1]| (h1 - h0).abs());
+        ([low, high], steps.fold(0.0, f64::max))
     }
 
     pub(super) fn at(&self, i: usize, j: usize, face: Face) -> [f64; 2] {

@@ -12,7 +12,7 @@ use super::{BlockEntry, EntryLayout, LoopPatch, Loops, SheetGeometry};
 use crate::design::Sheet;
 
 pub(super) use binning::{MAX_ENTRIES, build};
-pub(super) use planting::Planted;
+pub(super) use planting::{Planted, WholePile};
 
 /// Cells along each side of a block: what a grid may have.
 const BLOCK_SIZES: &[u32] = &[1, 2, 4];

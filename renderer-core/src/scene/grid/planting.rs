@@ -20,8 +20,6 @@ const UNITS: f64 = 32_767.0;
 const BYTES: f64 = 64.0;
 /// Entries that a block should list: with fewer, rays spend more on steps from block to block than finer blocks save them.
 const ENTRIES: f64 = 6.0;
-/// Loops from which the length of lists is estimated.
-const SAMPLES: usize = 4096;
 /// Slack around every bound, as a share of the farthest reach of any loop: some hundred f32 roundings.
 const SLACK: f64 = 1e-5;
 
@@ -35,6 +33,20 @@ pub(in super::super) struct Planted {
     pub(in super::super) base_width_mm: f32,
     pub(in super::super) thickness_mm: f32,
     pub(in super::super) counts: LoopCounts,
+    /// What units and blocks are chosen for.
+    pub(in super::super) whole: WholePile,
+}
+
+/// What units of length and sizes of blocks are chosen for: all loops that the design asks for. So a scene that has only some
+/// of them has them to the bit as the whole scene does.
+#[derive(Debug)]
+pub(in super::super) struct WholePile {
+    /// No component of any patch is larger, mm.
+    pub(in super::super) largest_mm: f64,
+    /// How many loops there are.
+    pub(in super::super) loops: u64,
+    /// Some of them, from all over the sheet, each with its warp and weft.
+    pub(in super::super) samples: Vec<([u32; 2], LoopPatch)>,
 }
 
 /// First and last block that a span of mm about the middle of a cell touches, counted from the cell's own block.
@@ -84,8 +96,7 @@ pub(super) struct Planting<'a> {
 
 impl<'a> Planting<'a> {
     pub(super) fn new(sheet: &'a SheetGeometry, planted: &'a Planted, block_cells: u32) -> Self {
-        let largest = planted.patches.par_iter().map(largest_component);
-        let largest = f64::from(largest.reduce(|| 0.0, f32::max));
+        let largest = planted.whole.largest_mm;
         // Roots, axis and half top edge each add at most the largest component to where a corner is.
         let reach = (3.0 * largest).max(0.5 * f64::from(planted.base_width_mm))
             + 0.5 * f64::from(planted.thickness_mm);
@@ -184,31 +195,25 @@ impl Planted {
     /// Cells along each side of a block, from the finest to the coarsest that may do: the finest of which loops' records are
     /// expected to stay within [`BYTES`] and whose blocks list [`ENTRIES`], and those that are coarser.
     pub(super) fn block_sizes(&self, sheet: &SheetGeometry) -> &'static [u32] {
-        let stride = self.patches.len() / SAMPLES + 1;
-        let mut sampled = 0;
+        let WholePile { loops, samples, .. } = &self.whole;
         // Blocks that the boxes of all sampled loops touch.
         let mut touched = [0.0; BLOCK_SIZES.len()];
-        for j in 0..sheet.wefts {
-            for index in self.row(j).filter(|index| index % stride == 0) {
-                sampled += 1;
-                let [low, high] =
-                    box_of(&self.patches[index], self.base_width_mm, self.thickness_mm);
-                let cell = [self.warps[index], j];
-                let pitch = [sheet.pitch_x_mm, sheet.pitch_y_mm];
-                for (touched, &b) in touched.iter_mut().zip(BLOCK_SIZES) {
-                    let blocks = |axis: usize| {
-                        let [first, last] =
-                            blocks_from_own([low[axis], high[axis]], pitch[axis], cell[axis], b);
-                        (last - first + 1) as f64
-                    };
-                    *touched += blocks(0) * blocks(1);
-                }
+        for (cell, patch) in samples {
+            let [low, high] = box_of(patch, self.base_width_mm, self.thickness_mm);
+            let pitch = [sheet.pitch_x_mm, sheet.pitch_y_mm];
+            for (touched, &b) in touched.iter_mut().zip(BLOCK_SIZES) {
+                let blocks = |axis: usize| {
+                    let [first, last] =
+                        blocks_from_own([low[axis], high[axis]], pitch[axis], cell[axis], b);
+                    (last - first + 1) as f64
+                };
+                *touched += blocks(0) * blocks(1);
             }
         }
         let cells = f64::from(sheet.warps) * f64::from(sheet.wefts);
         let fits = |(&touched, &b): (&f64, &u32)| {
-            let entries = touched / f64::from(sampled.max(1));
-            let blocks = cells / f64::from(b * b) / self.patches.len().max(1) as f64;
+            let entries = touched / samples.len().max(1) as f64;
+            let blocks = cells / f64::from(b * b) / (*loops).max(1) as f64;
             let bytes = size_of::<LoopShape>() + size_of::<LoopLook>();
             let bytes = bytes as f64
                 + entries * size_of::<BlockEntry>() as f64
@@ -247,12 +252,6 @@ impl Reach {
 
 fn hull<T: Copy>(a: [T; 2], b: [T; 2], min: fn(T, T) -> T, max: fn(T, T) -> T) -> [T; 2] {
     [min(a[0], b[0]), max(a[1], b[1])]
-}
-
-fn largest_component(patch: &LoopPatch) -> f32 {
-    let components = patch.axis.into_iter().chain(patch.half_top);
-    let components = components.chain([patch.root_z0, patch.root_z1]);
-    components.fold(0.0, |largest, x| largest.max(x.abs()))
 }
 
 /// The smallest unit with nine significant bits of which no more than [`UNITS`] are `largest`.

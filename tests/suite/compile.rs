@@ -166,9 +166,10 @@ fn no_loop_is_beyond_the_reach() {
         compiled += 1;
         let loops = &scene.loops;
         for shape in &loops.shapes {
+            let patch = shape.patch(loops.length_unit_mm);
             let half = 0.5 * f64::from(loops.thickness_mm);
-            let normal = shape.normal(loops.base_width_mm).abs() * half;
-            for corner in shape.corners(loops.base_width_mm) {
+            let normal = patch.normal(loops.base_width_mm).abs() * half;
+            for corner in patch.corners(loops.base_width_mm) {
                 let (low, high) = ((corner - normal).to_array(), (corner + normal).to_array());
                 for axis in 0..3 {
                     assert!(
@@ -178,7 +179,8 @@ fn no_loop_is_beyond_the_reach() {
                 }
             }
         }
-        let margin = reach.margin().map(|cells| cells as u32);
+        let blocks = |cells: i64| (cells as u32).div_ceil(loops.block_cells);
+        let margin = reach.margin().map(blocks);
         assert!(loops.margin[0] <= margin[0] && loops.margin[1] <= margin[1]);
     }
     assert!(compiled > 100, "only {compiled} compiled");
@@ -205,6 +207,9 @@ fn sets_of_cells_are_sets_of_cells() {
         };
         assert_eq!(cells(&set), plain);
         assert_eq!((set.len(), set.is_empty()), (plain.len(), plain.is_empty()));
+        let step = 1 + number(9) as usize;
+        let every: BTreeSet<_> = plain.iter().copied().step_by(step).collect();
+        assert_eq!(cells(&set.every(step)), every, "every {step}");
         let (j, first, last) = (
             number(wefts),
             number(warps + 20) - 10,

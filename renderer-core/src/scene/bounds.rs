@@ -1,33 +1,130 @@
-//! Where the volume of a loop can be: parallelepipeds that hold it, and their exact height range over a cell. f64, mm,
-//! relative to the loop's own cell.
+//! Where the volume of a loop can be: parallelepipeds that hold it, and their height range over a cell. mm, relative to the
+//! loop's own cell.
 //!
 //! The volume is X = P(½,½) + u′b + v′c + u′v′A + w·h·n̂ with |u′|, |v′|, |w| ≤ ½, b and c the patch's edges in its
-//! middle. Split into k × k parts, each with its own b and c, the term in A is at most |A|/(4k²): with A = αb + βc + γn̂
-//! it fits into a parallelepiped with slightly longer edges (1 + α/(2k) …), which for α = β = γ = 0 is the volume itself.
+//! middle. Split into k × l parts, each with its own b and c, the term in A is at most |A|/(4kl): with A = αb + βc + γn̂
+//! it fits into a parallelepiped with slightly longer edges (1 + α/(2l) …), which for α = β = γ = 0 is the volume itself.
 //!
 //! Over a cell, the highest point of a parallelepiped is a linear programme in three bounded unknowns. Its dual has
 //! two unknowns (λ, μ), the slopes of a plane above the volume, and its optimum is one of ten vertices that do not
-//! depend on the cell. So a cell costs ten multiply-adds, and the range is exact; any (λ, μ) gives a valid bound.
+//! depend on the cell. So a cell costs ten multiply-adds, and the range is exact; any (λ, μ) gives a valid bound. So these are
+//! f32, four at a time, with what rounding may do added to each bound.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use super::LoopPatch;
 
-/// Most parts along each side of a patch.
-const MAX_PARTS: usize = 4;
-/// How much of the thickness the bulge of a part may add before the patch is split.
+/// How much of the thickness the bulge of a part may add before the patch is split, where parts are not too many.
 const BULGE: f64 = 0.05;
+/// Numbers of parts along u and v, the fewest first.
+const SPLITS: [[u32; 2]; 9] = [
+    [1, 1],
+    [1, 2],
+    [1, 3],
+    [2, 2],
+    [2, 3],
+    [2, 4],
+    [3, 3],
+    [3, 4],
+    [4, 4],
+];
 /// Slopes above this are left out: rounding would eat the bound.
-const STEEPEST: f64 = 1e4;
+const STEEPEST: f32 = 64.0;
+/// What f32 rounding may do to the bound of a plane without slopes, as a share of the largest number in it. With u = 2⁻²⁴:
+/// four u for each edge and six for their sum and the cell's part, ten for the plane over a cell; together 1.2·10⁻⁶.
+const ROUNDING: f64 = 2e-6;
 
 /// Smallest box that holds the volume: that of its eight corners, since every point is a mean of them.
 pub(super) fn box_of(patch: &LoopPatch, base_width_mm: f32, thickness_mm: f32) -> [DVec3; 2] {
-    let [p0, p1, p2, p3] = patch.corners(base_width_mm);
-    let half = 0.5 * f64::from(thickness_mm) * patch.normal(base_width_mm).abs();
-    [
-        p0.min(p1).min(p2).min(p3) - half,
-        p0.max(p1).max(p2).max(p3) + half,
-    ]
+    Solid::new(patch, base_width_mm, thickness_mm).bounds()
+}
+
+/// The volume of a loop.
+pub(super) struct Solid {
+    corners: [DVec3; 4],
+    middle: DVec3,
+    b: DVec3,
+    c: DVec3,
+    a: DVec3,
+    normal: DVec3,
+    half_thickness: f64,
+    /// α, β and γ in the middle of the patch.
+    decomposed: [f64; 3],
+}
+
+impl Solid {
+    /// The volume around a patch.
+    pub(super) fn new(patch: &LoopPatch, base_width_mm: f32, thickness_mm: f32) -> Self {
+        let corners = patch.corners(base_width_mm);
+        let [p0, p1, p2, p3] = corners;
+        let [b, c, a] = patch.coefficients(base_width_mm);
+        let area = b.cross(c);
+        let inverse = 1.0 / area.length_squared();
+        let (normal, decomposed) = if inverse.is_finite() {
+            let normal = area * inverse.sqrt();
+            let alpha = a.cross(c).dot(area) * inverse;
+            let beta = b.cross(a).dot(area) * inverse;
+            (normal, [alpha, beta, normal.dot(a)])
+        } else {
+            // Only a patch that compile should have dropped comes here.
+            (DVec3::X, [1.0; 3])
+        };
+        Self {
+            corners,
+            middle: 0.25 * (p0 + p1 + p2 + p3),
+            b,
+            c,
+            a,
+            normal,
+            half_thickness: 0.5 * f64::from(thickness_mm),
+            decomposed,
+        }
+    }
+
+    /// Corners of the smallest box that holds it.
+    pub(super) fn bounds(&self) -> [DVec3; 2] {
+        let [p0, p1, p2, p3] = self.corners;
+        let half = self.half_thickness * self.normal.abs();
+        [
+            p0.min(p1).min(p2).min(p3) - half,
+            p0.max(p1).max(p2).max(p3) + half,
+        ]
+    }
+
+    /// Parts that together hold it.
+    pub(super) fn parts(&self) -> impl Iterator<Item = Part> {
+        let [alpha, beta, gamma] = self.decomposed;
+        let bulge = gamma.abs() / (8.0 * self.half_thickness * BULGE);
+        let skew = (alpha.abs() + beta.abs()) / (4.0 * BULGE);
+        let wanted = bulge.max(skew);
+        let enough = |[k, l]: &[u32; 2]| f64::from(k * l) >= wanted;
+        let split = SPLITS.into_iter().find(enough);
+        let [across, along] = split.unwrap_or(SPLITS[SPLITS.len() - 1]);
+        let (half_u, half_v) = (0.5 / f64::from(across), 0.5 / f64::from(along));
+        let places = (0..along).flat_map(move |y| (0..across).map(move |x| (x, y)));
+        places.map(move |(x, y)| {
+            let u = f64::from(2 * x + 1) * half_u - 0.5;
+            let v = f64::from(2 * y + 1) * half_v - 0.5;
+            let (b, c) = (self.b + v * self.a, self.c + u * self.a);
+            // Along the part's own b and c, and n̂, A has the coefficients (α, β, γ)/(1 + vα + uβ); the divisor is the
+            // part's area over the middle's, above 0 as long as the patch is convex.
+            let area = 1.0 + v * alpha + u * beta;
+            let bulge = half_u * half_v / area.abs();
+            Part {
+                centre: self.middle + u * b + v * c - u * v * self.a,
+                edges: [
+                    b * (half_u + bulge * alpha.abs()),
+                    c * (half_v + bulge * beta.abs()),
+                    self.normal * (self.half_thickness + bulge * gamma.abs()),
+                ],
+            }
+        })
+    }
+
+    /// Its patch seen from above, prepared for cells of half size `cell`.
+    pub(super) fn footprint(&self, cell: [f64; 2]) -> Footprint {
+        Footprint::new(self, cell)
+    }
 }
 
 /// A parallelepiped: all centre ± first edge ± second edge ± third edge.
@@ -45,174 +142,174 @@ impl Part {
     }
 }
 
-/// What parts are to hold.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Held {
-    /// The patch, w = 0.
-    Patch,
-    /// The whole volume.
-    Volume,
+/// `max` and `min` that are one instruction each, for numbers that are not NaN.
+fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }
 
-/// Parts that together hold the loop's volume or its patch.
-pub(super) fn parts(
-    patch: &LoopPatch,
-    base_width_mm: f32,
-    thickness_mm: f32,
-    held: Held,
-) -> impl Iterator<Item = Part> {
-    let [b, c, a] = patch.coefficients(base_width_mm);
-    let normal = patch.normal(base_width_mm);
-    let [p0, p1, p2, p3] = patch.corners(base_width_mm);
-    let middle = 0.25 * (p0 + p1 + p2 + p3);
-    let half_thickness = 0.5 * f64::from(thickness_mm);
-    let [alpha, beta, gamma] = decompose(a, b, c, normal);
-    let bulge = gamma.abs() / (8.0 * half_thickness * BULGE);
-    let skew = (alpha.abs() + beta.abs()) / (4.0 * BULGE);
-    let count = (bulge.max(skew).sqrt().ceil() as usize).clamp(1, MAX_PARTS);
-    let half = 0.5 / count as f64;
-    (0..count * count).map(move |index| {
-        let [u, v] = [index % count, index / count].map(|k| (2 * k + 1) as f64 * half - 0.5);
-        let (b, c) = (b + v * a, c + u * a);
-        let [alpha, beta, gamma] = decompose(a, b, c, normal).map(f64::abs);
-        Part {
-            centre: middle + u * b + v * c - u * v * a,
-            edges: [
-                b * (half + half * half * alpha),
-                c * (half + half * half * beta),
-                normal
-                    * (half * half * gamma
-                        + if held == Held::Volume {
-                            half_thickness
-                        } else {
-                            0.0
-                        }),
-            ],
-        }
-    })
+fn smaller(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
 }
 
-/// (α, β, γ) with a = αb + βc + γn̂; b and c are not parallel, and n̂ not in their plane.
-fn decompose(a: DVec3, b: DVec3, c: DVec3, normal: DVec3) -> [f64; 3] {
-    let volume = b.cross(c).dot(normal);
-    let share = |numerator: f64| numerator / volume;
-    let parts = [
-        share(a.cross(c).dot(normal)),
-        share(b.cross(a).dot(normal)),
-        share(b.cross(c).dot(a)),
-    ];
-    if parts.iter().all(|part| part.is_finite()) {
-        parts
-    } else {
-        // Only a patch that compile should have dropped comes here.
-        [1.0; 3]
-    }
-}
-
-/// A part's outline seen from above, prepared for cells of one size.
-pub(super) struct Outline {
-    centre: DVec3,
-    /// Normals (x, y) and how far from the part's centre a cell's centre may be along them.
-    normals: [[f64; 3]; 3],
-}
-
-impl Outline {
-    /// Prepares a part for cells of half size `cell`.
-    pub(super) fn new(part: &Part, cell: [f64; 2]) -> Self {
-        let edges = part.edges;
-        let normals = edges.map(|edge| {
-            let normal = [-edge.y, edge.x];
-            let along = |e: &DVec3| (normal[0] * e.x + normal[1] * e.y).abs();
-            let cell_reach = cell[0] * normal[0].abs() + cell[1] * normal[1].abs();
-            let reach = edges.iter().map(along).sum::<f64>() + cell_reach;
-            [normal[0], normal[1], reach]
-        });
-        Self {
-            centre: part.centre,
-            normals,
-        }
-    }
-
-    /// Whether the part may reach the cell whose centre is at `cell`, a cell that the part's box reaches.
-    pub(super) fn reaches(&self, cell: [f64; 2]) -> bool {
-        let (x, y) = (cell[0] - self.centre.x, cell[1] - self.centre.y);
-        let apart = |[nx, ny, reach]: &[f64; 3]| (nx * x + ny * y).abs() > *reach;
-        !self.normals.iter().any(apart)
-    }
+/// What rounding may do over cells of half size `cell` to something that reaches as far as `half` from its centre, mm.
+fn rounding(half: DVec3, cell: [f64; 2]) -> f32 {
+    let largest = half.max_element() + cell[0].max(cell[1]);
+    (2.0 * ROUNDING * largest) as f32
 }
 
 /// A part prepared for cells of one size.
 pub(super) struct PartOverCells {
-    centre: DVec3,
-    outline: Outline,
+    /// Normals of the outline seen from above, and how far from the part's centre a cell's centre may be along them.
+    outline: [[f32; 3]; 3],
     /// Over a cell at (x, y) from the centre, |z − λx − μy| ≤ K for each (λ, μ, K).
-    lambda: [f64; PLANES],
-    mu: [f64; PLANES],
-    k: [f64; PLANES],
+    lambda: [f32; PLANES],
+    mu: [f32; PLANES],
+    k: [f32; PLANES],
 }
 
-/// Vertices of the dual: no slope, slopes along x or y alone that follow one edge, slopes that follow two edges.
-const PLANES: usize = 10;
+/// Vertices of the dual: no slope, slopes along x or y alone that follow one edge, slopes that follow two edges; and two
+/// more without slopes, so that fours come out even.
+const PLANES: usize = 12;
 
 impl PartOverCells {
     /// Prepares a part for cells of half size `cell`.
     pub(super) fn new(part: &Part, cell: [f64; 2]) -> Self {
-        let edges = part.edges;
-        let along_both = |p: DVec3, q: DVec3| {
-            let inverse = 1.0 / (p.x * q.y - p.y * q.x);
-            [
-                (p.z * q.y - p.y * q.z) * inverse,
-                (p.x * q.z - p.z * q.x) * inverse,
-            ]
-        };
-        let [p, q, r] = edges;
-        let slopes = [
-            [0.0, 0.0],
-            [p.z / p.x, 0.0],
-            [q.z / q.x, 0.0],
-            [r.z / r.x, 0.0],
-            [0.0, p.z / p.y],
-            [0.0, q.z / q.y],
-            [0.0, r.z / r.y],
-            along_both(p, q),
-            along_both(q, r),
-            along_both(r, p),
-        ];
-        let slopes = slopes.map(|[lambda, mu]| {
+        let rounding = rounding(part.half_size(), cell);
+        let [p, q, r] = part.edges.map(|edge| edge.as_vec3());
+        let cell = cell.map(|half| half as f32);
+        // Slopes as fractions, all with one division.
+        let lambda = |p: Vec3, q: Vec3| p.z * q.y - p.y * q.z;
+        let mu = |p: Vec3, q: Vec3| p.x * q.z - p.z * q.x;
+        let below = |p: Vec3, q: Vec3| p.x * q.y - p.y * q.x;
+        let (pq, qr, rp) = ((p, q), (q, r), (r, p));
+        let pair = |f: &dyn Fn(Vec3, Vec3) -> f32| [pq, qr, rp].map(|(a, b)| f(a, b));
+        let ([l0, l1, l2], [m0, m1, m2], [d0, d1, d2]) = (pair(&lambda), pair(&mu), pair(&below));
+        let lambda = [0.0, p.z, q.z, r.z, 0.0, 0.0, 0.0, l0, l1, l2, 0.0, 0.0];
+        let mu = [0.0, 0.0, 0.0, 0.0, p.z, q.z, r.z, m0, m1, m2, 0.0, 0.0];
+        let below = [1.0, p.x, q.x, r.x, p.y, q.y, r.y, d0, d1, d2, 1.0, 1.0];
+        let slope = |plane: usize| {
+            let inverse = 1.0 / below[plane];
+            let [lambda, mu]: [f32; 2] = [lambda[plane] * inverse, mu[plane] * inverse];
             // NaN fails the comparison, too. Level planes always bound.
-            let usable = lambda.abs() < STEEPEST && mu.abs() < STEEPEST;
+            let usable = (lambda.abs() < STEEPEST) & (mu.abs() < STEEPEST);
             if usable { [lambda, mu] } else { [0.0, 0.0] }
-        });
-        let off = |[lambda, mu]: [f64; 2]| {
-            let over_edges = edges.map(|e| (e.z - lambda * e.x - mu * e.y).abs());
-            let over_cell = lambda.abs() * cell[0] + mu.abs() * cell[1];
-            over_edges.iter().sum::<f64>() + over_cell
         };
+        let slopes: [[f32; 2]; PLANES] = std::array::from_fn(slope);
+        let lambda = slopes.map(|[lambda, _]| lambda);
+        let mu = slopes.map(|[_, mu]| mu);
+        let k = std::array::from_fn(|plane| {
+            let (lambda, mu) = (lambda[plane], mu[plane]);
+            let over = |edge: Vec3| (edge.z - lambda * edge.x - mu * edge.y).abs();
+            let (lambda, mu) = (lambda.abs(), mu.abs());
+            let over_cell = lambda * cell[0] + mu * cell[1];
+            over(p) + over(q) + over(r) + over_cell + (1.0 + lambda + mu) * rounding
+        });
+        let outline = [p, q, r].map(|edge| {
+            let normal = [-edge.y, edge.x];
+            let along = |e: Vec3| (normal[0] * e.x + normal[1] * e.y).abs();
+            let over_cell = [0, 1].map(|axis| (cell[axis] + rounding) * normal[axis].abs());
+            let reach = along(p) + along(q) + along(r) + over_cell[0] + over_cell[1];
+            [normal[0], normal[1], reach]
+        });
         Self {
-            centre: part.centre,
-            outline: Outline::new(part, cell),
-            lambda: slopes.map(|[lambda, _]| lambda),
-            mu: slopes.map(|[_, mu]| mu),
-            k: slopes.map(off),
+            outline,
+            lambda,
+            mu,
+            k,
         }
     }
 
-    /// Lowest and highest point of the part over the cell whose centre is at `cell`, a cell that the part's box
-    /// reaches; `None` where the part does not.
-    pub(super) fn z_range(&self, cell: [f64; 2]) -> Option<[f64; 2]> {
-        if !self.outline.reaches(cell) {
+    /// Lowest and highest point of the part, from its centre, over the cell whose centre is at `from_centre`, a cell that
+    /// the part's box reaches; `None` where the part does not.
+    #[inline]
+    pub(super) fn z_range(&self, from_centre: [f64; 2]) -> Option<[f64; 2]> {
+        let [x, y] = from_centre.map(|mm| mm as f32);
+        let apart = self
+            .outline
+            .map(|[nx, ny, reach]| (nx * x + ny * y).abs() > reach);
+        if apart[0] | apart[1] | apart[2] {
             return None;
         }
-        let (x, y) = (cell[0] - self.centre.x, cell[1] - self.centre.y);
-        let [mut low, mut high] = [-self.k[0], self.k[0]];
-        for plane in 1..PLANES {
-            let middle = self.lambda[plane] * x + self.mu[plane] * y;
-            let [floor, ceiling] = [middle - self.k[plane], middle + self.k[plane]];
-            // Not f64::max and min: these are one instruction each, since nothing is NaN.
-            low = if floor > low { floor } else { low };
-            high = if ceiling < high { ceiling } else { high };
+        const LANES: usize = 4;
+        let mut lows = [f32::NEG_INFINITY; LANES];
+        let mut highs = [f32::INFINITY; LANES];
+        for first in (0..PLANES).step_by(LANES) {
+            for lane in 0..LANES {
+                let plane = first + lane;
+                let middle = self.lambda[plane] * x + self.mu[plane] * y;
+                lows[lane] = larger(middle - self.k[plane], lows[lane]);
+                highs[lane] = smaller(middle + self.k[plane], highs[lane]);
+            }
         }
+        let low = larger(larger(lows[0], lows[1]), larger(lows[2], lows[3]));
+        let high = smaller(smaller(highs[0], highs[1]), smaller(highs[2], highs[3]));
         // At a touching corner rounding may cross the two.
-        Some([low.min(high) + self.centre.z, high.max(low) + self.centre.z])
+        Some([smaller(low, high), larger(low, high)].map(f64::from))
+    }
+}
+
+/// A patch seen from above, prepared for cells of one size. Every point of the patch is a mean of its corners, so it is
+/// within their hull, which is bounded by lines between two of them.
+pub(super) struct Footprint {
+    pub(super) centre: DVec3,
+    pub(super) half_size: DVec3,
+    /// Across each line: its normal, and where along it a cell's centre may be from the patch's middle.
+    normal_x: [f32; LINES],
+    normal_y: [f32; LINES],
+    low: [f32; LINES],
+    high: [f32; LINES],
+}
+
+/// Pairs of corners; two come twice, so that fours come out even.
+const PAIRS: [[usize; 2]; LINES] = [
+    [0, 1],
+    [1, 2],
+    [2, 3],
+    [3, 0],
+    [0, 2],
+    [1, 3],
+    [0, 1],
+    [1, 2],
+];
+const LINES: usize = 8;
+
+impl Footprint {
+    fn new(solid: &Solid, cell: [f64; 2]) -> Self {
+        let from_middle = solid.corners.map(|corner| corner - solid.middle);
+        let half_size = from_middle
+            .iter()
+            .fold(DVec3::ZERO, |half, corner| half.max(corner.abs()));
+        let rounding = rounding(half_size, cell);
+        let cell = cell.map(|half| half as f32 + rounding);
+        let corners = from_middle.map(|corner| corner.as_vec3());
+        let mut new = Self {
+            centre: solid.middle,
+            half_size,
+            normal_x: [0.0; LINES],
+            normal_y: [0.0; LINES],
+            low: [0.0; LINES],
+            high: [0.0; LINES],
+        };
+        for (line, [from, to]) in PAIRS.into_iter().enumerate() {
+            let along = corners[to] - corners[from];
+            let (x, y) = (-along.y, along.x);
+            let [d0, d1, d2, d3] = corners.map(|corner| x * corner.x + y * corner.y);
+            let reach = cell[0] * x.abs() + cell[1] * y.abs();
+            (new.normal_x[line], new.normal_y[line]) = (x, y);
+            new.low[line] = smaller(smaller(d0, d1), smaller(d2, d3)) - reach;
+            new.high[line] = larger(larger(d0, d1), larger(d2, d3)) + reach;
+        }
+        new
+    }
+
+    /// Whether the patch may reach the cell whose centre is at `from_centre`.
+    #[inline]
+    pub(super) fn reaches(&self, from_centre: [f64; 2]) -> bool {
+        let [x, y] = from_centre.map(|mm| mm as f32);
+        let apart: [bool; LINES] = std::array::from_fn(|line| {
+            let place = self.normal_x[line] * x + self.normal_y[line] * y;
+            (place < self.low[line]) | (place > self.high[line])
+        });
+        !apart.into_iter().fold(false, |any, apart| any | apart)
     }
 }

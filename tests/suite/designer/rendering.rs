@@ -447,6 +447,7 @@ fn an_edit_of_many_loops_is_seen_before_all_of_them_are_made() {
             && h.state().viewport().shown().counts.planted > 200_000
             && has_whole_picture(h)
     });
+    open_panel(&mut harness, "More about loops");
     let edit = |harness: &mut Harness<'_, App>, field: &str, value: &str| {
         script.begun.lock().unwrap().clear();
         let before = harness.state().viewport().shown().version;

@@ -202,7 +202,10 @@ impl<'a> Worker<'a> {
             return Ok(false);
         };
         let backend = renderer.backend();
-        workers::with_all(|| backend.begin(&request))?;
+        workers::with_all(|| backend.begin_soon(&request))?;
+        if !backend.is_ready()? {
+            return Ok(false);
+        }
         let never = AtomicBool::new(false);
         let mut progress = Progress::default();
         while !progress.done {

@@ -7,9 +7,10 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use glam::DVec3;
 use rayon::prelude::*;
 
-use super::super::bounds::{Held, Outline, Part, PartOverCells, parts};
+use super::super::bounds::{PartOverCells, Solid};
 use super::super::skeleton::Face;
 use super::super::{
     BlockEntry, BlockHeader, Cancel, EntryLayout, EntryParts, LoopCounts, LoopPatch, Loops,
@@ -76,6 +77,9 @@ pub(in super::super) fn build(
         left,
         width: (left + sheet_blocks[0] + right) as usize,
         height_unit_mm,
+        whole: Subcells::new(&planting),
+        quadrants: Subcells::new(&planting),
+        ninths: Subcells::new(&planting),
     };
     let bands = binning.bands(-near..sheet_blocks[1] + far, cancel)?;
 
@@ -186,27 +190,92 @@ impl Reached {
     };
 }
 
-/// Equal parts of blocks, counted from the first of a loop's own block, in mm from the middle of the loop's own cell.
-struct Subcells {
+/// Equal parts of blocks, `N` along each side.
+struct Subcells<const N: i64> {
+    /// Size along x and y, mm, and one over it.
     size: [f64; 2],
-    /// Where the middle of the loop's cell is, in subcells.
-    own: [f64; 2],
+    inverse: [f64; 2],
     slack: f64,
 }
 
-impl Subcells {
-    /// First and last that a span touches.
-    fn span(&self, axis: usize, low: f64, high: f64) -> [i64; 2] {
-        [low, high].map(|mm| (mm / self.size[axis] + self.own[axis]).floor() as i64)
-    }
+/// Subcells counted from the first of a loop's own block, and mm from the middle of the loop's own cell.
+struct SubcellsFromLoop<'a, const N: i64> {
+    subcells: &'a Subcells<N>,
+    /// Where the middle of the loop's cell is, in subcells.
+    own: [f64; 2],
+}
 
-    fn middle(&self, index: [i64; 2]) -> [f64; 2] {
-        [0, 1].map(|axis| (index[axis] as f64 + 0.5 - self.own[axis]) * self.size[axis])
+/// The whole number below; without the call that `f64::floor` is where the processor may be an old one.
+fn floor(x: f64) -> i64 {
+    let towards_zero = x as i64;
+    towards_zero - i64::from(x < towards_zero as f64)
+}
+
+impl<const N: i64> Subcells<N> {
+    fn new(planting: &Planting<'_>) -> Self {
+        let cells = f64::from(planting.block_cells) / N as f64;
+        let sheet = planting.sheet;
+        let size = [sheet.pitch_x_mm, sheet.pitch_y_mm].map(|mm| cells * mm);
+        Self {
+            size,
+            inverse: size.map(|mm| 1.0 / mm),
+            slack: planting.slack,
+        }
     }
 
     /// Half the size, with slack.
     fn half_size(&self) -> [f64; 2] {
         self.size.map(|mm| 0.5 * mm + self.slack)
+    }
+
+    /// As seen from the loop with bit `place` in its block's header.
+    fn from_loop(&self, place: u32, block_cells: u32) -> SubcellsFromLoop<'_, N> {
+        let own = [place / 2 % block_cells, place / 2 / block_cells].map(f64::from);
+        let in_subcells = N as f64 / f64::from(block_cells);
+        SubcellsFromLoop {
+            subcells: self,
+            own: own.map(|cell| (cell + 0.5) * in_subcells),
+        }
+    }
+}
+
+impl<const N: i64> SubcellsFromLoop<'_, N> {
+    /// First and last that a span touches.
+    fn span(&self, axis: usize, low: f64, high: f64) -> [i64; 2] {
+        [low, high].map(|mm| floor(mm * self.subcells.inverse[axis] + self.own[axis]))
+    }
+
+    /// Calls `visit` for the subcells of some `blocks` that a box touches: with the block's number among these, row by row,
+    /// the subcell's bit in the block, and where its middle is from the box's.
+    #[inline]
+    fn visit(
+        &self,
+        centre: DVec3,
+        half: DVec3,
+        blocks: [[i64; 2]; 2],
+        mut visit: impl FnMut(usize, u16, [f64; 2]),
+    ) {
+        let half = half + self.subcells.slack;
+        let touched = |axis: usize| {
+            let (middle, half) = (centre[axis], half[axis]);
+            let [first, last] = self.span(axis, middle - half, middle + half);
+            let [first_block, last_block] = blocks[axis];
+            first.max(first_block * N)..=last.min(last_block * N + N - 1)
+        };
+        let middle = |axis: usize, index: i64| {
+            (index as f64 + 0.5 - self.own[axis]) * self.subcells.size[axis] - centre[axis]
+        };
+        let [[x0, x1], [y0, _]] = blocks;
+        for y in touched(1) {
+            let row = (y.div_euclid(N) - y0) * (x1 - x0 + 1) - x0;
+            let bits = 1 << (N * y.rem_euclid(N));
+            let middle_y = middle(1, y);
+            for x in touched(0) {
+                let block = (row + x.div_euclid(N)) as usize;
+                let bit = bits << x.rem_euclid(N);
+                visit(block, bit, [middle(0, x), middle_y]);
+            }
+        }
     }
 }
 
@@ -226,6 +295,9 @@ struct Binning<'a> {
     /// Blocks in a row of the grid.
     width: usize,
     height_unit_mm: f32,
+    whole: Subcells<1>,
+    quadrants: Subcells<2>,
+    ninths: Subcells<3>,
 }
 
 impl Binning<'_> {
@@ -294,8 +366,16 @@ impl Binning<'_> {
         notes: &mut Vec<Note>,
     ) {
         let planting = self.planting;
-        let [low, high] = planting.box_of(&own.patch);
-        let blocks = self.subcells(own, 1);
+        let Planted {
+            base_width_mm,
+            thickness_mm,
+            ..
+        } = *planting.planted;
+        let solid = Solid::new(&own.patch, base_width_mm, thickness_mm);
+        let [low, high] = solid.bounds();
+        let (low, high) = (low - planting.slack, high + planting.slack);
+        let (place, b) = (own.place, planting.block_cells);
+        let blocks = self.whole.from_loop(place, b);
         let [x0, x1] = blocks.span(0, low.x, high.x);
         let [y0, y1] = blocks.span(1, low.y, high.y);
         let (y0, y1) = (
@@ -308,46 +388,28 @@ impl Binning<'_> {
         let width = (x1 - x0 + 1) as usize;
         reached.clear();
         reached.resize(width * (y1 - y0 + 1) as usize, Reached::NOTHING);
-        let (base, thickness) = (
-            planting.planted.base_width_mm,
-            planting.planted.thickness_mm,
-        );
-        // Calls `visit` with a block that is reached, the bit of a subcell in it, and the subcell's middle.
-        let for_subcells = |n: i64, part: &Part, visit: &mut dyn FnMut(usize, u16, [f64; 2])| {
-            let subcells = self.subcells(own, n);
-            let (centre, half) = (part.centre, part.half_size() + planting.slack);
-            let over = |axis: usize, first: i64, last: i64| {
-                let [low, high] =
-                    subcells.span(axis, centre[axis] - half[axis], centre[axis] + half[axis]);
-                low.max(first * n)..=high.min(last * n + n - 1)
-            };
-            for y in over(1, y0, y1) {
-                for x in over(0, x0, x1) {
-                    let block =
-                        (y.div_euclid(n) - y0) as usize * width + (x.div_euclid(n) - x0) as usize;
-                    let bit = 1 << (x.rem_euclid(n) + n * y.rem_euclid(n));
-                    visit(block, bit, subcells.middle([x, y]));
-                }
-            }
-        };
-        for part in parts(&own.patch, base, thickness, Held::Volume) {
-            let over = PartOverCells::new(&part, self.subcells(own, 2).half_size());
-            for_subcells(2, &part, &mut |block, bit, middle| {
-                if let Some([z0, z1]) = over.z_range(middle) {
+        let blocks = [[x0, x1], [y0, y1]];
+        let quadrants = self.quadrants.from_loop(place, b);
+        for part in solid.parts() {
+            let over = PartOverCells::new(&part, self.quadrants.half_size());
+            let height = part.centre.z;
+            quadrants.visit(part.centre, part.half_size(), blocks, |block, bit, at| {
+                if let Some([z0, z1]) = over.z_range(at) {
                     let reached = &mut reached[block];
                     reached.quadrants |= bit;
-                    reached.z = [reached.z[0].min(z0), reached.z[1].max(z1)];
+                    let z = [height + z0, height + z1];
+                    reached.z = [reached.z[0].min(z[0]), reached.z[1].max(z[1])];
                 }
             });
         }
-        for part in parts(&own.patch, base, thickness, Held::Patch) {
-            let outline = Outline::new(&part, self.subcells(own, 3).half_size());
-            for_subcells(3, &part, &mut |block, bit, middle| {
-                if reached[block].ninths & bit == 0 && outline.reaches(middle) {
-                    reached[block].ninths |= bit;
-                }
-            });
-        }
+        let footprint = solid.footprint(self.ninths.half_size());
+        let (centre, half) = (footprint.centre, footprint.half_size);
+        let ninths = self.ninths.from_loop(place, b);
+        ninths.visit(centre, half, blocks, |block, bit, at| {
+            if footprint.reaches(at) {
+                reached[block].ninths |= bit;
+            }
+        });
         for (index, reached) in reached.iter().enumerate() {
             let z = [
                 low.z.max(reached.z[0] - planting.slack),
@@ -364,22 +426,6 @@ impl Binning<'_> {
                     z: z.map(|z| z as f32),
                 });
             }
-        }
-    }
-
-    /// The subcells of blocks as a loop sees them, n along each side of a block.
-    fn subcells(&self, own: &Home, n: i64) -> Subcells {
-        let b = self.planting.block_cells;
-        let pitch = [
-            self.planting.sheet.pitch_x_mm,
-            self.planting.sheet.pitch_y_mm,
-        ];
-        let cells = f64::from(b) / n as f64;
-        let own_cell = [own.place / 2 % b, own.place / 2 / b].map(f64::from);
-        Subcells {
-            size: pitch.map(|mm| cells * mm),
-            own: own_cell.map(|cell| (cell + 0.5) / cells),
-            slack: self.planting.slack,
         }
     }
 

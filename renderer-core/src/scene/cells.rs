@@ -131,6 +131,12 @@ impl CellSet {
         spread
     }
 
+    /// Number of cells in weft `j`.
+    pub fn row_len(&self, j: usize) -> usize {
+        let words = self.words_of(j).iter();
+        words.map(|word| word.count_ones() as usize).sum()
+    }
+
     /// Number of cells.
     pub fn len(&self) -> usize {
         let ones = |word: &u64| word.count_ones() as usize;
@@ -143,8 +149,7 @@ impl CellSet {
         let mut some = Self::none(self.warps, self.wefts());
         let mut next = 0;
         for j in 0..self.wefts() {
-            let words = self.words_of(j).iter();
-            let count: usize = words.map(|word| word.count_ones() as usize).sum();
+            let count = self.row_len(j);
             if next < count {
                 for i in self.row(j).skip(next).step_by(step) {
                     some.insert(j, i as i64..=i as i64);

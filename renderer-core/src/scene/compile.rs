@@ -119,7 +119,7 @@ pub struct Compiler {
     lengths: Option<(LengthsInputs, CellLengths)>,
     turbulence: Option<(TurbulenceInputs, Arc<TurbulenceField>)>,
     loops: Option<(LoopsInputs, Section<Loops>)>,
-    looks: Option<((LooksInputs, Section<Loops>), Section<Vec<LoopLook>>)>,
+    looks: Option<(LooksOfLoops, Section<Vec<LoopLook>>)>,
     volumes: Option<(VolumesInputs, Section<Volumes>)>,
     report: CompileReport,
 }
@@ -132,6 +132,9 @@ pub enum SeenScene {
     /// With those loops only that reach the cells that are seen.
     Part(Arc<Scene>),
 }
+
+/// What looks follow from, and the loops that they are of.
+type LooksOfLoops = (LooksInputs, Section<Loops>);
 
 /// Everything that the turbulence follows from.
 type TurbulenceInputs = (SheetGeometry, Turbulence);
@@ -376,7 +379,7 @@ impl Compiler {
             2 * u64::from(sheet.warps) * u64::from(sheet.wefts) - frames_made;
         let loops = planted.counts.planted;
         let built = timed(&mut self.report.seconds.grid, || {
-            grid::build(sheet, planted, cancel)
+            grid::build(sheet, &planted, cancel)
         });
         built.map_err(|error| match error {
             NoGrid::TooManyEntries => CompileError::TooManyEntries {

@@ -44,6 +44,16 @@ struct Row {
     frames_made: u64,
 }
 
+impl Row {
+    fn with_room_for(loops: usize) -> Self {
+        Self {
+            patches: Vec::with_capacity(loops),
+            warps: Vec::with_capacity(loops),
+            ..Self::default()
+        }
+    }
+}
+
 impl LoopsInputs {
     /// The cells in which a loop stands.
     pub(super) fn standing(&self) -> CellSet {
@@ -160,7 +170,7 @@ impl LoopsInputs {
         seen: Option<&SeenCells>,
         j: usize,
     ) -> Row {
-        let mut row = Row::default();
+        let mut row = Row::with_room_for(cells.row_len(j));
         for i in cells.row(j) {
             let length = self.lengths.at(j * self.sheet.warps as usize + i);
             for (face, stands) in FACES.into_iter().zip(faces.at(i, j)) {

@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::super::bounds::{PartOverCells, Solid};
+use super::super::bounds::{PartOverCells, Solid, larger, smaller};
 use super::super::skeleton::Face;
 use super::super::{
     BlockEntry, BlockHeader, Cancel, EntryLayout, EntryParts, LoopCounts, LoopPatch, Loops,
@@ -29,11 +29,11 @@ pub(in super::super) const MAX_ENTRIES: u64 = 1 << 29;
 /// Bins all loops.
 pub(in super::super) fn build(
     sheet: &SheetGeometry,
-    planted: Planted,
+    planted: &Planted,
     cancel: &Cancel<'_>,
 ) -> Result<Loops, NoGrid> {
     let sizes = planted.block_sizes(sheet);
-    let mut planting = Planting::new(sheet, &planted, sizes[0]);
+    let mut planting = Planting::new(sheet, planted, sizes[0]);
     let mut rows = planting.rows();
     let mut reach = reach_of(&rows);
     for &coarser in &sizes[1..] {
@@ -179,14 +179,15 @@ struct Home {
 struct Reached {
     quadrants: u16,
     ninths: u16,
-    z: [f64; 2],
+    /// Lowest and highest point, mm; that f32 rounds them is a small part of the slack.
+    z: [f32; 2],
 }
 
 impl Reached {
     const NOTHING: Self = Self {
         quadrants: 0,
         ninths: 0,
-        z: [f64::INFINITY, f64::NEG_INFINITY],
+        z: [f32::INFINITY, f32::NEG_INFINITY],
     };
 }
 
@@ -229,7 +230,7 @@ impl<const N: i64> Subcells<N> {
     }
 
     /// As seen from the loop with bit `place` in its block's header.
-    fn from_loop(&self, place: u32, block_cells: u32) -> SubcellsFromLoop<'_, N> {
+    fn seen_from(&self, place: u32, block_cells: u32) -> SubcellsFromLoop<'_, N> {
         let own = [place / 2 % block_cells, place / 2 / block_cells].map(f64::from);
         let in_subcells = N as f64 / f64::from(block_cells);
         SubcellsFromLoop {
@@ -375,7 +376,7 @@ impl Binning<'_> {
         let [low, high] = solid.bounds();
         let (low, high) = (low - planting.slack, high + planting.slack);
         let (place, b) = (own.place, planting.block_cells);
-        let blocks = self.whole.from_loop(place, b);
+        let blocks = self.whole.seen_from(place, b);
         let [x0, x1] = blocks.span(0, low.x, high.x);
         let [y0, y1] = blocks.span(1, low.y, high.y);
         let (y0, y1) = (
@@ -389,31 +390,32 @@ impl Binning<'_> {
         reached.clear();
         reached.resize(width * (y1 - y0 + 1) as usize, Reached::NOTHING);
         let blocks = [[x0, x1], [y0, y1]];
-        let quadrants = self.quadrants.from_loop(place, b);
+        let quadrants = self.quadrants.seen_from(place, b);
         for part in solid.parts() {
             let over = PartOverCells::new(&part, self.quadrants.half_size());
-            let height = part.centre.z;
+            let height = part.centre.z as f32;
             quadrants.visit(part.centre, part.half_size(), blocks, |block, bit, at| {
                 if let Some([z0, z1]) = over.z_range(at) {
                     let reached = &mut reached[block];
                     reached.quadrants |= bit;
-                    let z = [height + z0, height + z1];
-                    reached.z = [reached.z[0].min(z[0]), reached.z[1].max(z[1])];
+                    let [low, high] = reached.z;
+                    reached.z = [smaller(height + z0, low), larger(height + z1, high)];
                 }
             });
         }
         let footprint = solid.footprint(self.ninths.half_size());
         let (centre, half) = (footprint.centre, footprint.half_size);
-        let ninths = self.ninths.from_loop(place, b);
+        let ninths = self.ninths.seen_from(place, b);
         ninths.visit(centre, half, blocks, |block, bit, at| {
             if footprint.reaches(at) {
                 reached[block].ninths |= bit;
             }
         });
         for (index, reached) in reached.iter().enumerate() {
+            let [z0, z1] = reached.z.map(f64::from);
             let z = [
-                low.z.max(reached.z[0] - planting.slack),
-                high.z.min(reached.z[1] + planting.slack),
+                low.z.max(z0 - planting.slack),
+                high.z.min(z1 + planting.slack),
             ];
             if z[0] <= z[1] {
                 let (x, y) = (x0 + (index % width) as i64, y0 + (index / width) as i64);

@@ -20,6 +20,8 @@ pub(super) struct Terry {
     line: Vec<DVec3>,
     /// Length of the line up to each point, mm.
     arc: Vec<f64>,
+    /// Middle of each piece, mm, and the square of how far from it a point of the yarn beside the piece can be.
+    around: Vec<(DVec3, f64)>,
     yarn_radius: f64,
     plies: Plies,
     fibres: Fibres,
@@ -69,19 +71,32 @@ impl Terry {
             noise: Perlin::new(variant),
             around: f64::from(pile.fibres).sqrt(),
         };
+        let yarn_radius = pile.yarn_diameter / 2.0;
+        let around = |ends: &[DVec3]| {
+            // A little more, for rounding.
+            let reach = (yarn_radius + 0.5 * ends[0].distance(ends[1])) * (1.0 + 1e-9);
+            (0.5 * (ends[0] + ends[1]), reach * reach)
+        };
         Self {
+            around: line.windows(2).map(around).collect(),
             line,
             arc,
-            yarn_radius: pile.yarn_diameter / 2.0,
+            yarn_radius,
             plies,
             fibres,
         }
     }
 
-    /// Nearest point of the centre line: the point, the line's direction, and the length up to it.
-    fn nearest(&self, point: DVec3) -> (DVec3, DVec3, f64) {
+    /// Nearest point of the centre line: the point, the line's direction, and the length up to it; `None` outside the yarn,
+    /// though not everywhere there.
+    fn nearest(&self, point: DVec3) -> Option<(DVec3, DVec3, f64)> {
         let mut best = (f64::INFINITY, 0, 0.0);
-        for (k, ends) in self.line.windows(2).enumerate() {
+        for (k, (ends, &(middle, reach_squared))) in
+            self.line.windows(2).zip(&self.around).enumerate()
+        {
+            if point.distance_squared(middle) > reach_squared {
+                continue;
+            }
             let along = ends[1] - ends[0];
             let t =
                 ((point - ends[0]).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
@@ -90,19 +105,23 @@ impl Terry {
                 best = (distance, k, t);
             }
         }
-        let (_, k, t) = best;
+        let (distance, k, t) = best;
         let along = self.line[k + 1] - self.line[k];
-        (
-            self.line[k] + along * t,
-            along.normalize_or(DVec3::Y),
-            self.arc[k] + along.length() * t,
-        )
+        distance.is_finite().then(|| {
+            (
+                self.line[k] + along * t,
+                along.normalize_or(DVec3::Y),
+                self.arc[k] + along.length() * t,
+            )
+        })
     }
 }
 
 impl Field for Terry {
     fn yarn(&self, point: DVec3) -> Yarn {
-        let (axis_point, axis, arc) = self.nearest(point);
+        let Some((axis_point, axis, arc)) = self.nearest(point) else {
+            return Yarn::default();
+        };
         let offset = (point - axis_point) / self.yarn_radius;
         if offset.length_squared() > 1.0 {
             return Yarn::default();

@@ -126,22 +126,24 @@ fn block_at_point(block: Block, point: vec3<f32>) -> Block {
     return here;
 }
 
+// Whether the ray's part in the block may meet the loop of an entry.
+fn meets(block: Block, bits: u32) -> bool {
+    let heights = bits >> scene.heights_shift;
+    let lowest = f32(extractBits(heights, 0u, scene.height_bits));
+    let highest = f32(extractBits(heights, scene.height_bits, scene.height_bits)) + 1.0;
+    let is_back = extractBits(bits, scene.place_shift, 1u) != 0u;
+    let steps = select(block.front, block.back, is_back);
+    let start = select(block.start_steps.x, block.start_steps.y, is_back);
+    let passed = (bits & block.passed) != 0u && lowest <= steps.y && highest >= steps.x;
+    return passed || ((bits & block.start) != 0u && lowest <= start && highest >= start);
+}
+
 // The first entry from `start` on that the ray's part in the block may meet; the end of the list if none. A loop of its own,
 // so that neighbouring threads that skip different entries come together at the costly test.
 fn next_met(block: Block, start: u32) -> u32 {
     var index = start;
     for (; index < block.entries_end; index++) {
-        let bits = block_entries[index];
-        let heights = bits >> scene.heights_shift;
-        let lowest = f32(extractBits(heights, 0u, scene.height_bits));
-        let highest = f32(extractBits(heights, scene.height_bits, scene.height_bits)) + 1.0;
-        let is_back = extractBits(bits, scene.place_shift, 1u) != 0u;
-        let ray_steps = select(block.front, block.back, is_back);
-        if (bits & block.passed) != 0u && lowest <= ray_steps.y && highest >= ray_steps.x {
-            break;
-        }
-        let start_step = select(block.start_steps.x, block.start_steps.y, is_back);
-        if (bits & block.start) != 0u && lowest <= start_step && highest >= start_step {
+        if meets(block, block_entries[index]) {
             break;
         }
     }

@@ -4,101 +4,8 @@
 // into pieces of at most `slice.step`; a piece is uniform, as it is in its middle. Nothing is kept in arrays: the next cut
 // is searched among the loops that the ray meets in the block, and the ones that it is inside of are bits of a mask.
 
-// A loop as a line sees it. Projected along n̂ a point has coordinates p = u′(1 + αv′), q = v′(1 + βu′) in the basis
-// (b, c), u′ = u − ½, v′ = v − ½; p, q and the height z over their plane are linear along the line, and
-// w·h = z − (A·n̂)u′v′.
-struct LoopLine {
-    // Where the line is nearest to the patch's middle: far from the ray's origin products would lose their digits.
-    t_near: f32,
-    // (p, q, z) there, and their changes in a millimetre.
-    value: vec3<f32>,
-    slope: vec3<f32>,
-    alpha: f32,
-    beta: f32,
-    // A·n̂.
-    lift: f32,
-}
-
-fn loop_line(ray: Ray, listed: Listed) -> LoopLine {
-    let shape = load_patch(listed.index);
-    let b = shape.half_base + shape.half_top;
-    let c = shape.axis;
-    let twist = 2.0 * (shape.half_top - shape.half_base);
-    let product = cross(b, c);
-    let normal = product * inverseSqrt(max(dot(product, product), 1.0e-30));
-    let per_area = 1.0 / max(dot(product, normal), SMALLEST_AREA);
-    let b_dual = cross(c, normal) * per_area;
-    let c_dual = cross(normal, b) * per_area;
-    let to_middle = shape.middle + 0.5 * c - origin_in_cell(ray, listed.cell);
-    let t_near = dot(to_middle, ray.direction);
-    let nearest = t_near * ray.direction - to_middle;
-    return LoopLine(
-        t_near,
-        vec3<f32>(dot(nearest, b_dual), dot(nearest, c_dual), dot(nearest, normal)),
-        vec3<f32>(dot(ray.direction, b_dual), dot(ray.direction, c_dual), dot(ray.direction, normal)),
-        dot(twist, b_dual),
-        dot(twist, c_dual),
-        dot(twist, normal),
-    );
-}
-
-// (u, v, w) at a distance at which the line is inside the loop or next to it.
-fn place_on(line: LoopLine, t: f32) -> vec3<f32> {
-    let x = line.value + (t - line.t_near) * line.slope;
-    let linear = 1.0 + line.alpha * x.y - line.beta * x.x;
-    let u = 2.0 * x.x / max(linear + sqrt(max(linear * linear + 4.0 * line.beta * x.x, 0.0)), 1.0e-6);
-    let v = x.y / max(1.0 + line.beta * u, 1.0e-6);
-    return vec3<f32>(u + 0.5, v + 0.5, (x.z - u * v * line.lift) / scene.thickness);
-}
-
-// (value, slope) of a linear function that is 0 on the plane of constant u, and positive on the side of larger u.
-fn over_u(line: LoopLine, u: f32) -> vec2<f32> {
-    let s = u - 0.5;
-    let stretch = 1.0 + line.beta * s;
-    return vec2<f32>(
-        line.value.x * stretch - s * (stretch + line.alpha * line.value.y),
-        line.slope.x * stretch - s * line.alpha * line.slope.y,
-    );
-}
-
-fn over_v(line: LoopLine, v: f32) -> vec2<f32> {
-    let s = v - 0.5;
-    let stretch = 1.0 + line.alpha * s;
-    return vec2<f32>(
-        line.value.y * stretch - s * (stretch + line.beta * line.value.x),
-        line.slope.y * stretch - s * line.beta * line.slope.x,
-    );
-}
-
-// A slope below this, 1/mm, moves less than f32 resolves over any way through a loop.
-const LEVEL: f32 = 1.0e-9;
 // Crossings farther from a loop's middle than this, mm, are no crossings of the loop.
 const BEYOND: f32 = 1.0e6;
-
-// Where `over` is 0.
-fn zero_of(line: LoopLine, over: vec2<f32>) -> f32 {
-    return select(FAR, line.t_near - over.x / over.y, abs(over.y) > LEVEL);
-}
-
-// The part of a range of distances in which `over` is positive.
-fn clip_positive(line: LoopLine, range: vec2<f32>, over: vec2<f32>) -> vec2<f32> {
-    if abs(over.y) <= LEVEL {
-        return select(range, vec2<f32>(FAR, -FAR), over.x < 0.0);
-    }
-    let zero = line.t_near - over.x / over.y;
-    if over.y > 0.0 {
-        return vec2<f32>(max(range.x, zero), range.y);
-    }
-    return vec2<f32>(range.x, min(range.y, zero));
-}
-
-// The part between the side faces.
-fn between_sides(line: LoopLine) -> vec2<f32> {
-    var range = clip_positive(line, vec2<f32>(-FAR, FAR), over_u(line, 0.0));
-    range = clip_positive(line, range, -over_u(line, 1.0));
-    range = clip_positive(line, range, over_v(line, 0.0));
-    return clip_positive(line, range, -over_v(line, 1.0));
-}
 
 // Where the line crosses the patch at `w`, FAR where it does not. With S = z − wh, u′v′ is S/(A·n̂), so
 // S(1 + αq + βp) − (A·n̂)pq − (αβ/(A·n̂))S² = 0, a quadratic in t; αβ vanishes faster than A·n̂ (MODEL.md §4). A second
@@ -195,53 +102,6 @@ fn onward_from(line: LoopLine, t: f32) -> Onward {
     return Onward(min(end, next_line(line, t)), true);
 }
 
-// Which entries of a block's list: bit k stands for entry k, and in longer lists also for k + 128, k + 256 and so on.
-const MASKED: u32 = 128u;
-
-fn with_bit(mask: vec4<u32>, entry: u32) -> vec4<u32> {
-    let word = (entry % MASKED) / 32u;
-    return mask | select(vec4<u32>(), vec4<u32>(1u << (entry % 32u)), vec4<u32>(word) == vec4<u32>(0u, 1u, 2u, 3u));
-}
-
-// One word of a mask, by selection: a vector indexed by a variable would leave the registers on some devices.
-fn word_of(mask: vec4<u32>, word: u32) -> u32 {
-    let halves = select(mask.xz, mask.yw, (word & 1u) != 0u);
-    return select(halves.x, halves.y, (word & 2u) != 0u);
-}
-
-// The first entry from `start` on whose bit is set, or `end`.
-fn next_bit(mask: vec4<u32>, start: u32, end: u32) -> u32 {
-    var entry = start;
-    while entry < end {
-        let word = word_of(mask, entry / 32u) >> (entry % 32u);
-        if word != 0u {
-            return min(entry + firstTrailingBit(word), end);
-        }
-        entry = (entry / 32u + 1u) * 32u;
-    }
-    return end;
-}
-
-// The loops that a ray may meet in its part of a block.
-fn met_in(ray: Ray, block: Block, t_from: f32, t_to: f32) -> vec4<u32> {
-    var met = vec4<u32>();
-    for (var i = next_met(block, block.entries_start); i < block.entries_end; i = next_met(block, i + 1u)) {
-        if COUNTERS {
-            count_patch_tests += 1u;
-        }
-        let line = loop_line(ray, open_entry(block, i));
-        let sides = between_sides(line);
-        let reach = 0.5 * scene.thickness + 0.25 * abs(line.lift);
-        let heights = clip_band(vec2<f32>(-FAR, FAR), line.value.z, line.slope.z, reach);
-        let low = max(max(sides.x, heights.x + line.t_near), t_from);
-        let high = min(min(sides.y, heights.y + line.t_near), t_to);
-        if low < high {
-            met = with_bit(met, i - block.entries_start);
-        }
-    }
-    return met;
-}
-
 // What a loop holds at a distance of a ray that is inside of it.
 struct Held {
     index: u32,
@@ -325,7 +185,7 @@ fn march(ray: Ray, depth_to: f32, ground_from: f32, ends_with_ground: bool) -> M
         }
         let block = open_block(ray, walk.place, walk.t_enter, walk.t_exit, MEET_VOLUME);
         let count = block.entries_end - block.entries_start;
-        let met = met_in(ray, block, walk.t_enter, walk.t_exit);
+        let met = met_in(ray, block, walk.t_enter, walk.t_exit).loops;
         marched.block = block;
         var t = select(walk.t_exit, walk.t_enter, any(met != vec4<u32>()));
         while t < walk.t_exit && cuts < MAX_CUTS && !marched.fell {

@@ -1,5 +1,5 @@
 // Method `tracked` (MODEL.md §9): delta tracking (Woodcock 1965) through the summed densities of overlapping loops,
-// and ratio tracking (Novák et al. 2014) for shadow rays. Unbiased; each block has its own majorant.
+// and ratio tracking (Novák et al. 2014) for shadow rays. Unbiased; a ray's part in each block has its own majorant.
 
 // Densities at a point, summed over the loops of a block.
 struct Overlap {
@@ -28,13 +28,18 @@ struct Holder {
     at: vec3<f32>,
 }
 
-// The first loop from `start` on in a block's list that holds the point. A loop of its own, like next_met.
-fn next_holder(block: Block, start: u32, point: vec3<f32>) -> Holder {
+// The first loop from `start` on in a block's list that holds the point, of those that the ray may meet. A loop of its own,
+// like next_met.
+fn next_holder(block: Block, met: vec4<u32>, start: u32, point: vec3<f32>) -> Holder {
+    let count = block.entries_end - block.entries_start;
     var holder = Holder(start, 0u, vec3<f32>());
     for (; holder.entry < block.entries_end; holder.entry++) {
-        holder.entry = next_met(block, holder.entry);
+        holder.entry = block.entries_start + next_bit(met, holder.entry - block.entries_start, count);
         if holder.entry >= block.entries_end {
             break;
+        }
+        if !meets(block, block_entries[holder.entry]) {
+            continue;
         }
         if COUNTERS {
             count_patch_tests += 1u;
@@ -52,14 +57,14 @@ fn next_holder(block: Block, start: u32, point: vec3<f32>) -> Holder {
 }
 
 // `point` is relative to the block's first cell.
-fn overlap_at(block_of_ray: Block, point: vec3<f32>, random: ptr<function, Pcg>) -> Overlap {
+fn overlap_at(block_of_ray: Block, met: vec4<u32>, point: vec3<f32>, random: ptr<function, Pcg>) -> Overlap {
     var weights = 0.0;
     var rho_sum = 0.0;
     var result = Overlap(0.0, 0u, 0.0, vec3<f32>());
     let block = block_at_point(block_of_ray, point);
     var start = block.entries_start;
     loop {
-        let holder = next_holder(block, start, point);
+        let holder = next_holder(block, met, start, point);
         if holder.entry >= block.entries_end {
             break;
         }
@@ -80,28 +85,20 @@ fn overlap_at(block_of_ray: Block, point: vec3<f32>, random: ptr<function, Pcg>)
     return result;
 }
 
-// No extinction in the block is above this; 0 where it lists nothing.
-fn majorant(block: Block) -> f32 {
-    let listed = block.entries_end - block.entries_start;
-    let crowded = select(f32(listed), CROWDED, listed > 1u);
-    return min(scene.max_density * crowded, MAX_MAJORANT);
-}
-
-// The part of a ray between two distances that is within the height range of a block.
-fn within_heights(ray: Ray, block: Block, t_from: f32, t_to: f32) -> vec2<f32> {
-    let inverse = 1.0 / select(ray.direction.z, PARALLEL, abs(ray.direction.z) < PARALLEL);
-    let a = (block.low - ray.origin.z) * inverse;
-    let b = (block.high - ray.origin.z) * inverse;
-    return vec2<f32>(max(t_from, min(a, b)), min(t_to, max(a, b)));
+// No extinction where a ray may meet so many loops is above this.
+fn majorant(met: u32) -> f32 {
+    return min(scene.max_density * min(f32(met), CROWDED), MAX_MAJORANT);
 }
 
 // A ray on its way from one tentative collision to the next.
 struct Flight {
     walk: Walk,
     block: Block,
+    // The loops that the ray may meet in this block.
+    met: vec4<u32>,
     // Tentative collisions in a millimetre of this block.
     rate: f32,
-    // The way that is left within this block's heights.
+    // The way that is left from the first of these loops to the last.
     t: f32,
     t_to: f32,
 }
@@ -112,11 +109,12 @@ fn enter_block(ray: Ray, flight: ptr<function, Flight>) {
     }
     let walk = (*flight).walk;
     let block = open_block(ray, walk.place, walk.t_enter, walk.t_exit, MEET_VOLUME);
-    let range = within_heights(ray, block, walk.t_enter, walk.t_exit);
+    let met = met_in(ray, block, walk.t_enter, walk.t_exit);
     (*flight).block = block;
-    (*flight).rate = majorant(block);
-    (*flight).t = range.x;
-    (*flight).t_to = max(range.x, range.y);
+    (*flight).met = met.loops;
+    (*flight).rate = majorant(met.count);
+    (*flight).t = met.t_from;
+    (*flight).t_to = max(met.t_from, met.t_to);
 }
 
 fn take_off(ray: Ray) -> Flight {
@@ -154,7 +152,7 @@ fn fly(ray: Ray, flight: ptr<function, Flight>, random: ptr<function, Pcg>) -> b
 
 fn overlap_on(ray: Ray, flight: Flight, random: ptr<function, Pcg>) -> Overlap {
     let point = origin_in_cell(ray, flight.block.place << vec2<u32>(scene.block_shift)) + flight.t * ray.direction;
-    return overlap_at(flight.block, point, random);
+    return overlap_at(flight.block, flight.met, point, random);
 }
 
 // The next collision of a ray, or the ground yarn it meets, or nothing.

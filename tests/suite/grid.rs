@@ -354,8 +354,9 @@ fn shapes_are_off_by_half_a_unit_at_most() {
     let scene = compile(&design).unwrap();
     let (sheet, loops) = (&*scene.sheet, &*scene.loops);
     let unit = f64::from(loops.length_unit_mm);
-    // The longest component, of a loop of 2.8 mm stretched by 15 %, is told in 15 bits; nine bits of the unit may cost 1/256.
-    assert!(unit < 3.3 / 32_767.0 * 1.004, "{unit}");
+    // The longest component, of a loop of 2.8 mm stretched by 15 % and 8 % more at random, is told in 15 bits; nine bits of
+    // the unit may cost 1/256.
+    assert!(unit < 2.8 * 1.23 / 32_767.0 * 1.004, "{unit}");
     assert_eq!(
         loops.length_unit_mm.to_bits() & 0x7fff,
         0,

@@ -125,8 +125,12 @@ fn drag(display: &Display, program: &Program, from: Pos2, to: &[Pos2]) {
     act("mouseup 1");
 }
 
+/// Not as [`drag`] does it: a button that is held down for long is no click.
 fn click(display: &Display, program: &Program, at: Pos2) {
-    drag(display, program, at, &[]);
+    display.xdotool(&format!("mousemove {} {}", at.x.round(), at.y.round()));
+    program.settle();
+    display.xdotool("click 1");
+    program.settle();
 }
 
 /// Types into what has the keyboard, instead of what it holds.

@@ -109,10 +109,6 @@ impl Ground {
     pub fn hit(&self, grid: &Grid, ray: &Ray, part: [f64; 2]) -> Option<GroundHit> {
         let direction = ray.direction.as_vec3a();
         for span in grid.cells(ray, part) {
-            let [i, j] = span.square;
-            if i < 0 || j < 0 || i >= self.cells[0] || j >= self.cells[1] {
-                continue;
-            }
             let point = (ray.at(span.enter) - grid.cell_centre(span.square)).as_vec3a();
             let length = (span.leave - span.enter) as f32;
             if let Some(hit) = self.nearest(span.square, point, direction, length) {

@@ -19,7 +19,7 @@ use crate::sampling::{self, Pcg, Set, directions};
 const ROULETTE_FROM: u32 = 3;
 
 /// Distance from a surface at which rays leave it, mm: above the precision of its hits, far below any yarn.
-const SURFACE_OFFSET_MM: f64 = 2e-5;
+const SURFACE_OFFSET_MM: f64 = 2e-6;
 
 /// One path in the making.
 pub(super) struct PathTracer<'a> {

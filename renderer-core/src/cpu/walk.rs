@@ -92,11 +92,15 @@ impl Grid {
         Walk::new(self, ray, part, self.block_cells, self.blocks)
     }
 
-    /// The cells along the part of a ray from `from` to `to`, also beyond the sheet.
+    /// The cells of the sheet along a part of a ray. Clipped to the sheet first: a level ray may go on for ever.
     #[inline(always)]
-    pub fn cells(&self, ray: &Ray, part: [f64; 2]) -> Walk<'_> {
-        const ANY: [[i64; 2]; 2] = [[-1 << 40; 2], [1 << 40; 2]];
-        Walk::new(self, ray, part, 1, ANY)
+    pub fn cells(&self, ray: &Ray, mut part: [f64; 2]) -> Walk<'_> {
+        let end = [0, 1].map(|axis| (2.0 * self.half[axis]) as i64);
+        for axis in 0..2 {
+            let edges = [self.edge(axis, 0, 1), self.edge(axis, end[axis], 1)];
+            part = clip(ray.origin[axis], ray.direction[axis], edges, part);
+        }
+        Walk::new(self, ray, part, 1, [[0; 2], end])
     }
 
     /// Place of the low edge of square `number`, `side` cells wide, mm.

@@ -220,11 +220,10 @@ impl PartOverCells {
         }
     }
 
-    /// Lowest and highest point of the part, from its centre, over the cell whose centre is at `from_centre`, a cell that
+    /// Lowest and highest point of the part, from its centre, over the cell whose centre is at (x, y) from it, a cell that
     /// the part's box reaches; `None` where the part does not.
     #[inline]
-    pub(super) fn z_range(&self, from_centre: [f64; 2]) -> Option<[f32; 2]> {
-        let [x, y] = from_centre.map(|mm| mm as f32);
+    pub(super) fn z_range(&self, [x, y]: [f32; 2]) -> Option<[f32; 2]> {
         let apart = self
             .outline
             .map(|[nx, ny, reach]| (nx * x + ny * y).abs() > reach);
@@ -303,10 +302,9 @@ impl Footprint {
         new
     }
 
-    /// Whether the patch may reach the cell whose centre is at `from_centre`.
+    /// Whether the patch may reach the cell whose centre is at (x, y) from the patch's middle.
     #[inline]
-    pub(super) fn reaches(&self, from_centre: [f64; 2]) -> bool {
-        let [x, y] = from_centre.map(|mm| mm as f32);
+    pub(super) fn reaches(&self, [x, y]: [f32; 2]) -> bool {
         let apart: [bool; LINES] = std::array::from_fn(|line| {
             let place = self.normal_x[line] * x + self.normal_y[line] * y;
             (place < self.low[line]) | (place > self.high[line])

@@ -27,7 +27,7 @@ pub struct LoopPatch {
 ///
 /// What is stored is the scene: bounds are made from it, and since the unit has at most nine significant bits, every
 /// backend gets the same numbers from it to the bit. Against the design each component is off by at most half a unit, and a
-/// corner of the patch by at most one and a half units along each axis: 0.15 µm where no loop is longer than 3.2 mm.
+/// corner of the patch by at most one and a half units along each axis: 0.15 µm where no loop can get longer than 3.2 mm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Pod, Zeroable)]
 #[repr(C)]
 pub struct LoopShape {

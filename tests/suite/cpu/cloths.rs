@@ -4,10 +4,12 @@ use std::collections::BTreeSet;
 
 use renderer_core::cpu::CpuBackend;
 use renderer_core::design::{Design, Method};
+use renderer_core::image::Picture;
+use renderer_core::render::RenderRequest;
 use renderer_core::sampling::Pcg;
 
 use super::scenes::{Edit, GROUPS, LOOPS};
-use crate::support::compare::{MAX_FLIPS, same_samples, shows_something};
+use crate::support::compare::{MAX_FLIPS, ROUNDING, same_samples, shows_something};
 use crate::support::device::{finish, on_reference};
 use crate::support::same_sample::{Agreement, same_picture};
 use crate::support::scenes::{request, small_towel};
@@ -24,14 +26,38 @@ fn towel(edits: &[&Edit]) -> (String, Design) {
     (names.join(", "), design)
 }
 
-/// Draws by a method on both sides and compares as strictly as small pictures of the GPU are; whether there is much to see.
+/// Most pixels of `layered` that may turn on rounding, a few in a thousand.
+const MOST_LAYERED_FLIPS: usize = 4;
+
+/// Whether a picture of one sample holds the reference's samples. By `layered` a shadow ray begins on a layer's patch, which
+/// it may graze: whether it meets the patch again, twice or not at all, turns on a last digit across the patch, and a nudge
+/// of the camera's ray moves points along it only. So flips of `layered` are counted, those of `single` traced to an edge.
+pub fn same_as_reference(
+    request: &RenderRequest,
+    expected: &Picture,
+    drawn: &Picture,
+) -> Result<(), String> {
+    if request.settings.method != Method::Layered {
+        return same_samples(request, expected, drawn);
+    }
+    let near = |(a, b): &(&[f32; 4], &[f32; 4])| {
+        (0..4).all(|c| (a[c] - b[c]).abs() <= ROUNDING * a[c].abs().max(1.0))
+    };
+    let pairs = expected.pixels.iter().zip(&drawn.pixels);
+    match pairs.filter(|pair| !near(pair)).count() {
+        0..=MOST_LAYERED_FLIPS => Ok(()),
+        flips => Err(format!("{flips} pixels turn on rounding")),
+    }
+}
+
+/// Draws by a method on both sides and compares; whether there is much to see.
 fn compare(cpu: &mut CpuBackend, what: &str, design: &Design, method: Method) -> bool {
     let mut design = design.clone();
     design.quality.method = method;
     let request = request(&design, SIZE);
     let expected = on_reference(&request);
     let drawn = finish(cpu, &request);
-    same_samples(&request, &expected, &drawn)
+    same_as_reference(&request, &expected, &drawn)
         .unwrap_or_else(|error| panic!("{what}, {method:?}: {error}"));
     shows_something(&expected).is_ok()
 }
@@ -98,8 +124,14 @@ fn dark_pixels_are_as_close_as_bright_ones() {
         let most = MAX_FLIPS * f64::from(SIZE[0] * SIZE[1]);
         let expected = on_reference(&request);
         let drawn = finish(&mut cpu, &request);
-        let Agreement { rel_rmse, .. } =
-            same_picture(&request, &expected, &drawn, most as usize, true).unwrap();
+        let Agreement { rel_rmse, .. } = same_picture(
+            &request,
+            &expected,
+            &drawn,
+            most as usize,
+            method == Method::Single,
+        )
+        .unwrap();
         // Not to the bit: then it would be the reference itself.
         assert!(rel_rmse > 0.0);
     }

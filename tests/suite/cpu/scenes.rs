@@ -22,10 +22,11 @@ pub const LOOPS: [Edit; 10] = [
         (pile.twist, pile.twist_jitter) = (140.0, 60.0);
     }),
     ("far apart", |d| {
+        d.weave.pattern = Pattern::filled(1, 1, 9);
         (d.sheet.warps_per_cm, d.sheet.wefts_per_cm) = (4.0, 4.0);
         let pile = &mut d.pile;
-        (pile.base_width, pile.top_width, pile.thickness) = (1.0, 1.0, 0.3);
-        (pile.yarn_diameter, pile.tilt, pile.twist) = (0.28, 5.0, 20.0);
+        (pile.base_width, pile.top_width, pile.thickness) = (3.2, 3.2, 0.6);
+        (pile.yarn_diameter, pile.tilt, pile.twist) = (0.5, 8.0, 20.0);
         (pile.lean_x, pile.lean_y, pile.jitter) = (0.0, 0.0, 2.0);
         d.view.cameras[0].distance = 60.0;
     }),

@@ -155,6 +155,27 @@ fn sizes_are_chosen_typed_kept_in_proportion_and_measured_on_paper() {
 }
 
 #[test]
+fn sizes_typed_digit_by_digit_are_what_was_typed() {
+    let mut harness = designer(None);
+    open(&mut harness);
+    for (label, digits) in [("Export width", "96"), ("Export height", "64")] {
+        let field = harness.get_by_role_and_label(Role::SpinButton, label);
+        field.click();
+        harness.run_steps(3);
+        for digit in digits.chars() {
+            // On the way a side is of few pixels, on paper less than a millimetre.
+            harness.event(egui::Event::Text(digit.into()));
+            harness.run_steps(5);
+        }
+        harness.key_press(Key::Enter);
+        harness.run_steps(5);
+    }
+    assert_eq!(size(&harness), [96.0, 64.0]);
+    type_number(&mut harness, "Export height", "3");
+    assert_eq!(size(&harness), [96.0, 3.0]);
+}
+
+#[test]
 fn every_kind_of_file_is_what_it_says() {
     let folder = tempfile::tempdir().expect("a folder");
     for (kind, name) in [

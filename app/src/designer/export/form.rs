@@ -213,6 +213,8 @@ impl Form {
                 }
                 let side = DragValue::new(&mut self.size[axis])
                     .range(1..=MAX_SIDE)
+                    // Digits that are being typed are no size yet.
+                    .update_while_editing(false)
                     .speed(4.0);
                 ui.add(side)
                     .accessible_name(name)
@@ -271,6 +273,8 @@ impl Form {
             let mut mm = in_mm[axis];
             let field = DragValue::new(&mut mm)
                 .range(1.0..=f64::from(MAX_SIDE))
+                // A picture of few pixels is less than a millimetre on paper, and stays as it is.
+                .clamp_existing_to_range(false)
                 .max_decimals(1)
                 .update_while_editing(false);
             let field = ui

@@ -254,27 +254,35 @@ impl<const N: i64> SubcellsFromLoop<'_, N> {
         centre: DVec3,
         half: DVec3,
         blocks: [[i64; 2]; 2],
-        mut visit: impl FnMut(usize, u16, [f64; 2]),
+        mut visit: impl FnMut(usize, u16, [f32; 2]),
     ) {
         let half = half + self.subcells.slack;
         let touched = |axis: usize| {
             let (middle, half) = (centre[axis], half[axis]);
             let [first, last] = self.span(axis, middle - half, middle + half);
             let [first_block, last_block] = blocks[axis];
-            first.max(first_block * N)..=last.min(last_block * N + N - 1)
+            [first.max(first_block * N), last.min(last_block * N + N - 1)]
         };
         let middle = |axis: usize, index: i64| {
-            (index as f64 + 0.5 - self.own[axis]) * self.subcells.size[axis] - centre[axis]
+            let from_own = (index as f64 + 0.5 - self.own[axis]) * self.subcells.size[axis];
+            (from_own - centre[axis]) as f32
         };
-        let [[x0, x1], [y0, _]] = blocks;
-        for y in touched(1) {
-            let row = (y.div_euclid(N) - y0) * (x1 - x0 + 1) - x0;
+        let [[left, right], [near, _]] = blocks;
+        let ([x0, x1], [y0, y1]) = (touched(0), touched(1));
+        let (column, first_x) = (x0.div_euclid(N) - left, x0.rem_euclid(N));
+        let (middle_x0, step_x) = (middle(0, x0), self.subcells.size[0] as f32);
+        for y in y0..=y1 {
             let bits = 1 << (N * y.rem_euclid(N));
             let middle_y = middle(1, y);
-            for x in touched(0) {
-                let block = (row + x.div_euclid(N)) as usize;
-                let bit = bits << x.rem_euclid(N);
-                visit(block, bit, [middle(0, x), middle_y]);
+            let mut block = ((y.div_euclid(N) - near) * (right - left + 1) + column) as usize;
+            let (mut x, mut steps) = (first_x, 0.0);
+            for _ in x0..=x1 {
+                visit(block, bits << x, [middle_x0 + steps * step_x, middle_y]);
+                steps += 1.0;
+                x += 1;
+                if x == N {
+                    (x, block) = (0, block + 1);
+                }
             }
         }
     }
@@ -434,16 +442,17 @@ impl Binning<'_> {
     /// Sorts notes by block, keeping their order within one; fills the headers' lists and height ranges.
     fn sort(&self, notes: &[Note], headers: &mut [BlockHeader]) -> Vec<BlockEntry> {
         let unit = f64::from(self.height_unit_mm);
+        let units_in_mm = 1.0 / unit;
         let mut counts = vec![0_u32; headers.len()];
         let mut ranges = vec![[i16::MAX, i16::MIN]; headers.len()];
         for note in notes {
             let block = note.block as usize;
             counts[block] += 1;
-            let [low, high] = note.z.map(|z| f64::from(z) / unit);
+            let [low, high] = note.z.map(|z| f64::from(z) * units_in_mm);
             let range = &mut ranges[block];
             *range = [
-                range[0].min(low.floor() as i16),
-                range[1].max(high.ceil() as i16),
+                range[0].min(floor(low) as i16),
+                range[1].max(-floor(-high) as i16),
             ];
         }
         let mut start = 0;
@@ -459,18 +468,17 @@ impl Binning<'_> {
             let block = note.block as usize;
             let face = Face::of_place(note.place.into());
             let [low, high] = headers[block].heights_of(self.height_unit_mm, self.dip_mm, face);
-            let steps = f64::from(self.layout.height_steps());
-            let [z0, z1] = note
-                .z
-                .map(|z| (f64::from(z) - low) / (high - low).max(unit) * steps);
-            let last = steps - 1.0;
+            let steps = self.layout.height_steps();
+            let steps_in_mm = f64::from(steps) / (high - low).max(unit);
+            let [z0, z1] = note.z.map(|z| (f64::from(z) - low) * steps_in_mm);
+            let last = i64::from(steps) - 1;
             let next = &mut counts[block];
             entries[*next as usize] = self.layout.pack(EntryParts {
                 offset: note.offset.map(i32::from),
                 place: note.place.into(),
                 quadrants: note.quadrants.into(),
                 ninths: note.ninths.into(),
-                heights: [z0.floor(), z1.ceil() - 1.0].map(|z| z.clamp(0.0, last) as u32),
+                heights: [floor(z0), -floor(-z1) - 1].map(|z| z.clamp(0, last) as u32),
             });
             *next += 1;
         }

@@ -280,6 +280,7 @@ fn stats_say_what_was_done() {
         "backend",
         "bands",
         "bytes",
+        "compile",
         "crop",
         "dropped_loops",
         "error_estimate",

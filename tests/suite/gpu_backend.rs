@@ -277,7 +277,7 @@ fn a_bare_sample_costs_little_and_leaves_nothing_behind() {
 #[test]
 fn a_picture_larger_than_a_buffer_is_the_same() {
     let mut request = request(&small_towel(), [150, 130]);
-    request.settings.samples = 4;
+    request.settings.samples = 16;
     // Room for the sums of 16 tiles of 90, and for the scene and the bases of rays.
     let small = lesser_device(|limits| limits.max_storage_buffer_binding_size = 16 * 256 * 32);
     let mut backend = GpuBackend::new(small).unwrap();
@@ -494,7 +494,8 @@ fn counters_are_the_references_but_for_what_is_skipped() {
         assert_eq!(gpu.rays, u64::from(SIZE[0] * SIZE[1]));
         // A ray near an edge may turn on rounding.
         assert!(gpu.shadow_rays.abs_diff(all.shadow_rays) <= 2);
-        // What lies behind ground yarns, or behind the event that ends a ray, is not looked at.
+        // What lies behind ground yarns, or behind the event that ends a ray, is not looked at. The device tells apart what
+        // a ray passes in a block as a whole, the reference piece by piece: a few tests more.
         for (name, gpu, all) in [
             ("cells", gpu.cells, all.cells),
             ("patch tests", gpu.patch_tests, all.patch_tests),
@@ -502,7 +503,7 @@ fn counters_are_the_references_but_for_what_is_skipped() {
             ("hits", gpu.contributing_hits, all.contributing_hits),
         ] {
             assert!(
-                gpu > all / 3 && gpu <= all + all / 500,
+                gpu > all / 3 && gpu <= all + all / 50,
                 "{name}: {gpu} of {all}"
             );
         }

@@ -63,7 +63,7 @@ fn ground_that_pile_hides_is_not_looked_for() {
         }
         eprintln!("{}: hidden {hidden:.2?}", method.name());
         // Much of the ground under dense pile; nothing where there is no pile.
-        assert!(hidden[0] > 0.2 && hidden[3] == 0.0, "{hidden:?}");
+        assert!(hidden[0] > 0.15 && hidden[3] == 0.0, "{hidden:?}");
     }
 }
 

@@ -73,7 +73,7 @@ fn closed_paths_agree() {
     agree(
         &design,
         16,
-        &[("closed later", |d| d.quality.traced_bounces = 3)],
+        &[("nothing by bounces", |d| d.quality.bounces = 1)],
     );
     design.pile.phase = Phase::Isotropic;
     design.quality.traced_bounces = 2;

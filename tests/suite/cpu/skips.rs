@@ -84,8 +84,12 @@ fn without_empty_cells_the_samples_are_the_same() {
         assert!(some.skipped_cells > some.cells / 20, "{some:?}");
         assert_eq!(none.skipped_cells, 0);
         assert!(some.patch_tests < none.patch_tests / 2, "{some:?} {none:?}");
-        // As many cells are walked through.
-        assert!(some.cells.abs_diff(none.cells) <= none.cells / 500);
+        // About as many cells are walked through: where all of a block's loops are solved at once, a dark shadow ray has all
+        // of them behind it a little earlier.
+        assert!(
+            some.cells.abs_diff(none.cells) <= none.cells / 20,
+            "{some:?} {none:?}"
+        );
     }
 }
 

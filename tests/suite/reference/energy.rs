@@ -45,6 +45,12 @@ const BLOCKS: usize = 16;
 /// Requires that no block of a picture of the furnace is brighter than the sky; the mean of all.
 fn stays_below_the_sky(what: &str, scene: Scene, method: Method, bounces: u32, exact: bool) -> f64 {
     let samples = 8;
+    // By its own shadow ray the sky is looked at on either side of the ground, and on the other seldom but with more weight.
+    let down = scene.skeleton.worth_looking_down(&scene.sheet);
+    let most = match method {
+        Method::Tracked => 1.0,
+        _ => 0.5 / f64::from(down.min(1.0 - down)),
+    };
     let mut request = request(scene, method, bounces);
     request.size = [16, 16];
     request.camera.eye *= 0.07;
@@ -58,7 +64,7 @@ fn stays_below_the_sky(what: &str, scene: Scene, method: Method, bounces: u32, e
             let radiance = tracer.sample([x, y], k, &mut scratch).radiance.x;
             // Where every direction is drawn as the lobe scatters, no path ever has more than it started with.
             assert!(
-                radiance >= 0.0 && (!exact || radiance < 1.0 + 1e-9),
+                radiance >= 0.0 && (!exact || radiance < most + 1e-6),
                 "{what}: {radiance}"
             );
             block.0 += radiance;

@@ -330,16 +330,21 @@ fn stats_say_what_was_done() {
     let names = [
         "cells",
         "contributing_hits",
+        "converged_tiles",
+        "ended_rays",
+        "hidden_rays",
         "patch_tests",
         "rays",
+        "repeated_tests",
         "shadow_rays",
+        "skipped_cells",
         "skipped_tiles",
         "volume_samples",
     ];
     assert_eq!(keys(counters), names);
     // One bounce: a ray a sample, and at most one more that looks for the environment.
     let rays = counters["rays"].as_u64().unwrap();
-    assert!((800..=1600).contains(&rays), "{rays}");
+    assert!((3200..=6400).contains(&rays), "{rays}");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use renderer_core::cpu::CpuBackend;
 use renderer_core::design::{CameraDesign, Colour, Design};
 use renderer_core::gpu::GpuBackend;
-use renderer_core::image::{Picture, metrics};
+use renderer_core::image::Picture;
 use renderer_core::render::{
     Backend, Camera, Counters, Progress, RenderRequest, Skip, background_tiles, cloth_box,
 };
@@ -219,81 +219,6 @@ fn uneven_towel() -> RenderRequest {
     request.settings.counters = true;
     request.settings.aov = true;
     request
-}
-
-#[test]
-fn a_converged_tile_has_the_samples_it_ended_with_and_the_others_all() {
-    let request = uneven_towel();
-    let (mut gpu, mut cpu) = backends();
-    for backend in [&mut gpu as &mut dyn Backend, &mut cpu] {
-        let name = backend.kind().name();
-        let (picture, counters, progress) = draw(backend, &request);
-        let last = progress.samples;
-        assert!(last >= 64 && last.is_power_of_two(), "{name}: {progress:?}");
-        assert!(progress.error_estimate.unwrap() <= 0.01);
-        let mut left = all_numbers(&picture);
-        let tiles = left.len() as u64;
-        let (mut kinds, mut left_out) = (0, 0);
-        let mut samples = 16;
-        while samples <= last {
-            let mut plain = request.clone();
-            (plain.settings.samples, plain.settings.error) = (samples, 0.0);
-            let same = all_numbers(&draw(backend, &plain).0);
-            let mut ended = 0;
-            for (tile, same) in left.iter_mut().zip(&same) {
-                if !tile.is_empty() && tile == same {
-                    tile.clear();
-                    ended += 1;
-                }
-            }
-            kinds += u32::from(ended > 0);
-            left_out += ended * u64::from(last - samples);
-            samples *= 2;
-        }
-        // Background is the same at any number of samples, and neither counts.
-        let skipped = counters.skipped_tiles / u64::from(last);
-        let first = skipped * u64::from(last - 16);
-        assert!(
-            left.iter().all(Vec::is_empty),
-            "{name}: tiles of no picture"
-        );
-        assert!(kinds >= 3, "{name}: {kinds} numbers of samples");
-        assert_eq!(counters.converged_tiles, left_out - first, "{name}");
-        assert!(counters.converged_tiles > (tiles - skipped) * u64::from(last) / 10);
-
-        let (_, all, _) = draw(backend, &without(&request, Skip::ConvergedTiles));
-        assert_eq!(all.converged_tiles, 0);
-        assert!(all.rays > counters.rays);
-    }
-}
-
-#[test]
-fn a_picture_of_converged_tiles_has_the_error_it_says_and_hardly_any_bias() {
-    let mut request = uneven_towel();
-    (request.settings.aov, request.settings.counters) = (false, false);
-    let mut plain = request.clone();
-    (plain.settings.samples, plain.settings.error) = (1 << 10, 0.0);
-    let mut gpu = gpu();
-    plain.settings.seed = 99;
-    let (truth, ..) = draw(&mut gpu, &plain);
-    let mean = metrics::mean(&truth);
-    let (mut errors, mut biases) = (Vec::new(), Vec::new());
-    for seed in 0..12 {
-        request.settings.seed = 1000 + seed;
-        let (picture, _, progress) = draw(&mut gpu, &request);
-        let error = metrics::rel_rmse(&picture, &truth).unwrap();
-        errors.push(error / progress.error_estimate.unwrap());
-        biases.push(metrics::mean(&picture) / mean - 1.0);
-        assert!(error < 0.01 * 1.15, "{seed}: {error}");
-    }
-    let mean_of = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    let (ratio, bias) = (mean_of(&errors), mean_of(&biases));
-    eprintln!("true over estimated error {ratio:.3}, mean too bright by {bias:+.5}");
-    // The truth's own error adds some percent, and so does that lucky tiles end.
-    assert!((0.95..1.12).contains(&ratio), "{ratio} {errors:?}");
-    // Noise of the mean of one picture: 0.01 over the root of its 23,040 values, 0.0001; of 12 a third of that, and the
-    // truth's. Nobody sees a two-thousandth.
-    assert!(bias.abs() < 0.0005, "{bias} {biases:?}");
 }
 
 #[test]

@@ -94,7 +94,9 @@ impl Seen {
         let is_short = squared < SHORT * self.along_r.length_squared();
         // Before that step r may be a little off.
         let reach = if is_short { 0.6 } else { 0.5 };
-        if !(r_times.abs() <= reach * squared) || squared <= 0.0 {
+        // False for NaN, too.
+        let is_within = r_times.abs() <= reach * squared;
+        if !is_within || squared <= 0.0 {
             return None;
         }
         let mut place = [p, r_times / squared];
@@ -224,7 +226,9 @@ pub(super) struct Span {
 impl Span {
     #[inline(always)]
     pub fn is_empty(self) -> bool {
-        !(self.low < self.high)
+        // NaN counts as empty.
+        let holds_some = self.low < self.high;
+        !holds_some
     }
 
     #[inline(always)]

@@ -234,7 +234,8 @@ impl Tracer {
             .fold(0.0_f32, |t, along| t.max(along.span.high));
         loop {
             let collision = t + *depth_left / majorant;
-            if !(collision < end) {
+            let is_before_end = collision < end;
+            if !is_before_end {
                 *depth_left -= (end - t).max(0.0) * majorant;
                 *depth_left = depth_left.max(0.0);
                 return ControlFlow::Continue(());

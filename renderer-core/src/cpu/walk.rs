@@ -96,8 +96,8 @@ impl Grid {
     #[inline(always)]
     pub fn cells(&self, ray: &Ray, mut part: [f64; 2]) -> Walk<'_> {
         let end = [0, 1].map(|axis| (2.0 * self.half[axis]) as i64);
-        for axis in 0..2 {
-            let edges = [self.edge(axis, 0, 1), self.edge(axis, end[axis], 1)];
+        for (axis, &end) in end.iter().enumerate() {
+            let edges = [self.edge(axis, 0, 1), self.edge(axis, end, 1)];
             part = clip(ray.origin[axis], ray.direction[axis], edges, part);
         }
         Walk::new(self, ray, part, 1, [[0; 2], end])

@@ -114,7 +114,7 @@ pub fn show(ctx: &Context, is_open: &mut bool) {
                         });
                         ui.add_space(28.0);
                         ui.vertical(|ui| {
-                            [PATTERN, CHART, NUMBERS].iter().for_each(|p| part(ui, p))
+                            [PATTERN, CHART, NUMBERS].iter().for_each(|p| part(ui, p));
                         });
                     });
                 });

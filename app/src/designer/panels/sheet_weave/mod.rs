@@ -99,14 +99,14 @@ fn size(ui: &mut Ui, sheet: &mut Sheet) {
             field: &fields.warps,
             per_cm: sheet.warps_per_cm,
         };
-        side(ui, width, &mut sheet.warps);
+        side(ui, &width, &mut sheet.warps);
         ui.label("×");
         let length = Side {
             name: "Length of the cloth",
             field: &fields.wefts,
             per_cm: sheet.wefts_per_cm,
         };
-        side(ui, length, &mut sheet.wefts);
+        side(ui, &length, &mut sheet.wefts);
         ui.weak("cm");
     });
 }
@@ -119,8 +119,8 @@ struct Side<'a> {
     per_cm: f64,
 }
 
-fn side(ui: &mut Ui, side: Side<'_>, yarns: &mut u32) {
-    let Side {
+fn side(ui: &mut Ui, side: &Side<'_>, yarns: &mut u32) {
+    let &Side {
         name,
         field,
         per_cm,

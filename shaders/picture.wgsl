@@ -36,7 +36,16 @@ struct Slice {
     closing_bounce: u32,
     // Longest piece of a ray that METHOD_EXACT takes as uniform, mm.
     step: f32,
-    unused: f32,
+    // First samples whose shadows may come from a cache, with CACHED_SHADOWS.
+    cached_shadows: u32,
+    // Texels of the cache along x, y and z; lights.
+    shadow_texels: vec4<u32>,
+    // Its texels are 1 / shadow_per_cell cells wide where that is above 1, else 1 << shadow_shift cells.
+    shadow_per_cell: i32,
+    shadow_shift: u32,
+    // Its layers below the sheet's plane, and in a millimetre.
+    shadow_layers_below: i32,
+    shadow_layers_per_mm: f32,
     // What tiles of background show; w unused.
     background: vec4<f32>,
 }

@@ -34,6 +34,15 @@ const MAX_MATERIALS: u32 = 65u;
 const HIGHLIGHT_INTERVALS: u32 = 256u;
 // Independent scrambles of the random sequence, and so accumulators of each pixel (MODEL.md §10).
 const SCRAMBLES: u32 = 4u;
+// Where in `totals` shadows begin; steps of their sums and means from 0 to 1; the mark of a mean that is final; how many rays
+// make a mean and a final one; and the share that is traced until then.
+const SHADOWS_FROM: u32 = 32u;
+const SHADOW_STEPS: f32 = 1024.0;
+const SHADOW_MEAN_STEPS: f32 = 32767.0;
+const SHADOW_FINAL: u32 = 0x80000000u;
+const ENOUGH_RAYS: u32 = 16u;
+const ALL_RAYS: u32 = 128u;
+const TRACED_SHARE: f32 = 0.25;
 // Samples of one scramble before the next one's turn.
 const RUN: u32 = 8u;
 
@@ -68,6 +77,8 @@ override SHADOWS: bool = true;
 override OWEN: bool = true;
 // How the environment varies with direction: SKY_*.
 override SKY: u32 = 0u;
+// First samples may take their shadows from a cache.
+override CACHED_SHADOWS: bool = false;
 // Also accumulate depth, normal and albedo.
 override AOV: bool = false;
 // Count rays, cells and tests.

@@ -4,16 +4,6 @@
 // pattern and the loop frames, are scene::compile's.) With more than one scattering the light that arrives at a point
 // of the pile comes from other points as well: paths go on through the same medium by `tracked`.
 
-// Low and high word of each of the COUNT_* totals.
-@group(1) @binding(3) var<storage, read_write> totals: array<atomic<u32>>;
-
-fn add_total(which: u32, amount: u32) {
-    let before = atomicAdd(&totals[2u * which], amount);
-    if before + amount < before {
-        atomicAdd(&totals[2u * which + 1u], 1u);
-    }
-}
-
 // The share of light that reaches a scattering point from a direction.
 fn visibility(at: Scatter, towards_light: vec3<f32>, bounce: u32, random: ptr<function, Pcg>) -> f32 {
     if !SHADOWS {
@@ -67,6 +57,11 @@ fn lit(at: Scatter, towards_eye: vec3<f32>, bounce: u32, seed: u32, sample: u32,
     let closing = CLOSING && bounce == slice.closing_bounce;
     let sky = ENVIRONMENT && (closing || (METHOD != METHOD_TRACKED && bounce == 1u));
     let lights = SUN_COUNT + u32(sky);
+    let cached = CACHED_SHADOWS && sample < slice.cached_shadows;
+    var entry = 0u;
+    if cached {
+        entry = shadow_entry(at, random);
+    }
     // The environment is the last light: one body for all, since everything here is inlined.
     for (var i = 0u; i < lights; i++) {
         let is_sun = i < SUN_COUNT;
@@ -86,10 +81,23 @@ fn lit(at: Scatter, towards_eye: vec3<f32>, bounce: u32, seed: u32, sample: u32,
             even_share = share;
         }
         if closing || max(max(share.x, share.y), share.z) > 0.0 {
-            let visible = visibility(at, towards_light, bounce, random);
-            sum += share * visible;
+            // As direct light needs it, and as bounced light does.
+            var visible = vec2<f32>(-1.0);
+            if cached {
+                visible = known_shadow(entry + i, random);
+                if COUNTERS && visible.x >= 0.0 {
+                    count_cached_rays += 1u;
+                }
+            }
+            if visible.x < 0.0 {
+                visible = vec2<f32>(visibility(at, towards_light, bounce, random));
+                if cached {
+                    learn_shadow(entry + i, visible.x);
+                }
+            }
+            sum += share * visible.x;
             if closing {
-                sum += even_share * bounced(at, towards_light, visible);
+                sum += even_share * bounced(at, towards_light, visible.y);
             }
         }
     }
@@ -229,5 +237,6 @@ fn trace_main(@builtin(global_invocation_id) id: vec3<u32>) {
         add_total(COUNT_CONTRIBUTING_HITS, count_contributing_hits);
         add_total(COUNT_ENDED_RAYS, count_ended_rays);
         add_total(COUNT_HIDDEN_RAYS, count_hidden_rays);
+        add_total(COUNT_CACHED_RAYS, count_cached_rays);
     }
 }

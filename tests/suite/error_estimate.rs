@@ -89,7 +89,7 @@ fn the_estimate_is_the_true_error_of_every_preset_at_more_samples() {
     let (mut gpu, mut cpu) = (gpu(), CpuBackend::default());
     for path in preset_paths() {
         let mut design = towel_designer::files::load_design(&path).unwrap();
-        for (samples, sampler) in [(4, Sampler::Owen), (64, Sampler::Random)] {
+        for (samples, sampler) in [(32, Sampler::Owen), (64, Sampler::Random)] {
             (design.quality.samples, design.quality.sampler) = (samples, sampler);
             let request = request(&design, [16, 16]);
             for backend in [&mut gpu as &mut dyn Backend, &mut cpu] {

@@ -40,6 +40,7 @@ mod same_sample;
 mod sampling;
 mod sections;
 mod shaders;
+mod shadow_cache;
 mod shadows;
 mod skeleton;
 mod stability;

@@ -6,7 +6,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Expression, Function, Handle, TypeInner};
 use renderer_core::design::{Method, Phase, SkeletonHeight, SkeletonShading};
 use renderer_core::gpu::needs::SceneNeeds;
-use renderer_core::gpu::shaders::{Composed, ERROR, Part, RESOLVE, TRACE};
+use renderer_core::gpu::shaders::{Composed, ERROR, Part, RESOLVE, SETTLE, TRACE};
 
 /// The portable core: nothing that a WebGPU device may lack.
 fn validator() -> Validator {
@@ -75,6 +75,7 @@ fn all_needs() -> Vec<SceneNeeds> {
                         filter_f32: on(6),
                         opaque_rays: on(2),
                         hidden_ground: on(3) == on(4),
+                        cached_shadows: on(2) == on(6),
                     });
                 }
             }
@@ -120,6 +121,7 @@ fn the_small_programs_are_valid() {
         specialise(&resolve, "resolve_linear", &constants);
         specialise(&parse(ERROR), "error_main", &constants);
     }
+    specialise(&parse(SETTLE), "settle_main", &[]);
 }
 
 /// All functions of a module with their names.
@@ -161,7 +163,7 @@ fn indexed_in_registers(module: &naga::Module) -> Vec<String> {
 
 #[test]
 fn no_value_in_registers_is_indexed_by_a_variable() {
-    for parts in [TRACE, RESOLVE, ERROR] {
+    for parts in [TRACE, RESOLVE, ERROR, SETTLE] {
         let indexed = indexed_in_registers(&parse(parts));
         let program = parts.last().expect("has parts").0;
         assert_eq!(indexed, Vec::<String>::new(), "{program}");
@@ -231,7 +233,7 @@ fn variables_of_the_tracing_program_are_few() {
 
 #[test]
 fn entry_points_stand_in_the_files_that_say_so() {
-    for parts in [TRACE, RESOLVE, ERROR] {
+    for parts in [TRACE, RESOLVE, ERROR, SETTLE] {
         for (name, text) in parts {
             let says = text.starts_with("// ENTRY ");
             assert_eq!(says, text.contains("@compute"), "shaders/{name}");

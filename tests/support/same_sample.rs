@@ -14,9 +14,8 @@ pub const SAME_SHARE: f64 = 0.999;
 pub const SAME_REL_RMSE: f64 = 2e-3;
 /// Smallest share of pixels that are also within [`SAME`] of their own value, down to values of 10⁻³. Dark pixels are
 /// those whose light has come through a depth of 5 or more; f32 knows a point to some 10⁻⁷ mm and a ray's way through a
-/// loop that it grazes to 10⁻⁶ mm, and at the border of a yarn the depth changes by hundreds in a millimetre. The least of any
-/// preset is that of `peer-towel`, whose yarn is several times denser than others': 0.963 on the processor; others are above 0.99.
-pub const CLOSE_SHARE: f64 = 0.96;
+/// loop that it grazes to 10⁻⁶ mm, and at the border of a yarn the depth changes by hundreds in a millimetre.
+pub const CLOSE_SHARE: f64 = 0.99;
 const CLOSE_FLOOR: f64 = 1e-3;
 
 /// How far two pictures agree.

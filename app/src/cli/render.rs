@@ -309,6 +309,7 @@ fn settings(design: &Design, arguments: &RenderArguments, format: &Format) -> Se
         aov: matches!(format, Format::Exr(layers) if layers.iter().any(|l| *l != ExrLayer::Alpha)),
         counters: arguments.counters,
         skips: skips(arguments),
+        cached_shadows: preset.cached_shadows,
     }
 }
 

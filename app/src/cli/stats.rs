@@ -141,6 +141,7 @@ pub struct CountersJson {
     skipped_cells: u64,
     repeated_tests: u64,
     ended_rays: u64,
+    cached_rays: u64,
     hidden_rays: u64,
 }
 
@@ -158,6 +159,7 @@ impl From<Counters> for CountersJson {
             skipped_cells,
             repeated_tests,
             ended_rays,
+            cached_rays,
             hidden_rays,
         } = counters;
         Self {
@@ -172,6 +174,7 @@ impl From<Counters> for CountersJson {
             skipped_cells,
             repeated_tests,
             ended_rays,
+            cached_rays,
             hidden_rays,
         }
     }

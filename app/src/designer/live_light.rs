@@ -3,10 +3,13 @@
 use renderer_core::design::Design;
 use renderer_core::render::Settings;
 
-/// How the viewport gets the light of many bounces.
+/// First samples whose shadows neighbouring points share: later ones outweigh them after a second or two.
+const CACHED_SHADOWS: u32 = 8;
+
+/// How the viewport gets the light of many bounces, and shadows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LiveLight {
-    /// Estimated after the first scattering, unless the design itself says after which.
+    /// Bounces are estimated after the first scattering, and shadows shared at first, unless the design itself says how.
     #[default]
     Fast,
     /// As the design says: what an export shows.
@@ -29,16 +32,17 @@ impl LiveLight {
     pub fn what(self) -> &'static str {
         match self {
             Self::Fast => {
-                "Light that bounces on between the loops is estimated: clear much sooner, a little off in brightness and depth. Exports are not affected."
+                "Light that bounces on between the loops is estimated, and shadows are soft at first: clear much sooner, a little off in brightness and depth. Exports are not affected."
             }
-            Self::True => "Every bounce of light is traced, as in an export.",
+            Self::True => "Every shadow and every bounce of light is traced, as in an export.",
         }
     }
 
-    /// Whether the two differ for a design: not if its light scatters once, nor if it says itself what to estimate.
+    /// Whether the two differ for a design: not if it says itself what to estimate and to share, or has nothing of it.
     pub fn matters(design: &Design) -> bool {
-        let closing = |light: Self| light.settings(design).closing_bounce();
-        closing(Self::Fast) != closing(Self::True)
+        let [fast, whole] = [Self::Fast, Self::True].map(|light| light.settings(design));
+        fast.closing_bounce() != whole.closing_bounce()
+            || fast.caches_shadows(0) != whole.caches_shadows(0)
     }
 
     /// The settings of a picture of a design with this light.
@@ -46,6 +50,9 @@ impl LiveLight {
         let mut settings = Settings::from(&design.quality);
         if self == Self::Fast && settings.traced_bounces == 0 {
             settings.traced_bounces = 1;
+        }
+        if self == Self::Fast && settings.cached_shadows == 0 {
+            settings.cached_shadows = CACHED_SHADOWS;
         }
         settings
     }

@@ -60,6 +60,7 @@ impl Backend for CpuBackend {
             deadline,
             cancel,
             |pixel, sample, scratch: &mut Scratch| tracer.sample(pixel, sample, scratch),
+            |samples| tracer.learn_shadows(samples),
         );
         Ok(progressive.progress())
     }
@@ -80,7 +81,7 @@ impl Backend for CpuBackend {
 
     fn device_bytes(&self) -> u64 {
         match &self.work {
-            Some((tracer, progressive)) => tracer.cloth.bytes() + progressive.bytes(),
+            Some((tracer, progressive)) => tracer.bytes() + progressive.bytes(),
             None => 0,
         }
     }

@@ -168,13 +168,14 @@ impl Crossing {
         for part in self.slabs(layers) {
             let place = self.place(part.middle());
             let [u, v, w] = place;
-            let left = transmittance * (-yarn.density * yarn.rho(u, v, w) * part.length()).exp();
-            let taken = transmittance - left;
+            // Not as a difference of transmittances: thin pile would have none of its digits left.
+            let depth = yarn.density * yarn.rho(u, v, w) * part.length();
+            let taken = transmittance * -(-depth).exp_m1();
             if taken > 0.0 {
                 weight += taken;
                 tau += taken * part.middle();
                 shade += taken * yarn.shade(place);
-                transmittance = left;
+                transmittance -= taken;
             }
         }
         if weight <= 0.0 {

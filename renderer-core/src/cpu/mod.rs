@@ -29,8 +29,11 @@ mod volume;
 mod walk;
 mod wide;
 
+use std::sync::Arc;
+
 use crate::geometry::Ray;
 use crate::render::accumulation::Sample;
+use crate::render::shadow_cache::{ShadowCache, ShadowKey};
 use crate::render::{Camera, Counters, RenderRequest, Settings, Skip};
 
 pub use backend::CpuBackend;
@@ -45,6 +48,8 @@ struct Tracer {
     skips_empty: bool,
     remembers_tests: bool,
     ends_opaque_rays: bool,
+    /// What earlier samples, and pictures of the same cloth in the same light, know of shadows.
+    shadow_cache: Option<Arc<ShadowCache>>,
 }
 
 /// Memory that rays reuse, one for each thread, and what they counted.
@@ -67,16 +72,42 @@ impl AsMut<Counters> for Scratch {
 impl Tracer {
     /// Prepares for `request`; what `last` derived from parts of its scene that did not change is kept.
     fn new(request: &RenderRequest, last: Option<&Self>) -> Self {
-        let skips = request.settings.skips;
+        let settings = request.settings;
+        let skips = settings.skips;
+        let kept = last.and_then(|last| last.shadow_cache.as_ref());
+        let shadow_cache = ShadowKey::new(request).map(|key| match kept {
+            Some(kept) if kept.key().is_same(&key) => Arc::clone(kept),
+            _ => Arc::new(ShadowCache::new(key)),
+        });
         Self {
             cloth: cloth::Cloth::new(&request.scene, last.map(|last| &last.cloth)),
             camera: request.camera,
             size: request.size,
-            settings: request.settings,
+            settings,
             skips_empty: skips.has(Skip::EmptyCells),
             remembers_tests: skips.has(Skip::RepeatedTests),
             ends_opaque_rays: skips.has(Skip::OpaqueRays),
+            shadow_cache,
         }
+    }
+
+    /// The cache that shadows of sample `number` of a pixel may come from.
+    #[inline(always)]
+    fn shadow_cache(&self, number: u32) -> Option<&ShadowCache> {
+        let cache = self.shadow_cache.as_deref();
+        cache.filter(|_| self.settings.caches_shadows(number))
+    }
+
+    /// Lets later samples know the shadows of the first `samples`.
+    fn learn_shadows(&self, samples: u32) {
+        if let Some(cache) = self.shadow_cache(samples) {
+            cache.settle();
+        }
+    }
+
+    /// Bytes of what is held beside the scene.
+    fn bytes(&self) -> u64 {
+        self.cloth.bytes() + self.shadow_cache.as_ref().map_or(0, |cache| cache.bytes())
     }
 
     /// Sample `number` of `pixel` of the whole picture.

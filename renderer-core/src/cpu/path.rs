@@ -11,7 +11,7 @@ use glam::{DVec2, DVec3};
 use super::{Scratch, Tracer};
 use crate::design::Method;
 use crate::geometry::Ray;
-use crate::optics::{Vertex, bounced, environment_radiance};
+use crate::optics::{Seen, Vertex, bounced, environment_radiance};
 use crate::render::accumulation::{FirstHit, Sample};
 use crate::sampling::{self, Pcg, Set, directions};
 
@@ -159,6 +159,10 @@ impl<'a> PathTracer<'a> {
         } = gather;
         let suns = lights.suns.len();
         let mut sum = DVec3::ZERO;
+        let cache = tracer.shadow_cache(self.number).map(|cache| {
+            let random = [(); 3].map(|()| f64::from(self.pcg.next_float()));
+            (cache, cache.key().grid.entry(vertex.position, random))
+        });
         // One place for all shadow rays, since everything they do is inlined.
         for number in 0..suns + usize::from(gather.sees_sky) {
             let sun = lights.suns.get(number);
@@ -193,6 +197,18 @@ impl<'a> PathTracer<'a> {
             if scattered == DVec3::ZERO && orders == 0 {
                 continue;
             }
+            let up = (direction.z * vertex.position.z.signum()).max(0.0);
+            let bounced = |visibility| unhindered * bounced(visibility, up, vertex.albedo, orders);
+            if let Some((cache, entry)) = cache
+                && let Some(seen) = cache.seen(entry + number, || self.pcg.next_float())
+            {
+                self.scratch.counters.cached_rays += 1;
+                sum += scattered * seen.direct;
+                if orders > 0 {
+                    sum += bounced(seen.for_bounces());
+                }
+                continue;
+            }
             let ray = vertex.leave(direction, SURFACE_OFFSET_MM);
             let visibility = if !tracer.settings.shadows {
                 1.0
@@ -201,10 +217,12 @@ impl<'a> PathTracer<'a> {
             } else {
                 tracer.tracked_visibility(&ray, &mut self.pcg, self.scratch)
             };
+            if let Some((cache, entry)) = cache {
+                cache.add(entry + number, Seen::by(visibility));
+            }
             sum += scattered * visibility;
             if orders > 0 {
-                let up = (direction.z * vertex.position.z.signum()).max(0.0);
-                sum += unhindered * bounced(visibility, up, vertex.albedo, orders);
+                sum += bounced(visibility);
             }
         }
         sum

@@ -777,6 +777,9 @@ section! {
             /// After this many scatterings the light of all further ones is estimated instead of traced: fast, for looking
             /// while designing. 0 traces all.
             traced_bounces: u32 = 0, 0..=64, "";
+            /// In this many first samples of each pixel, neighbouring points share their shadows: smooth sooner, and soft until
+            /// later samples outweigh them. Fast, for looking while designing. 0 traces all.
+            cached_shadows: u32 = 0, 0..=64, "";
             /// Samples a pixel at which a final picture is done.
             samples: u32 = 256, 1..=1_048_576, "";
             /// Estimated error at which a final picture is done; 0 waits for all samples.

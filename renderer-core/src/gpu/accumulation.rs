@@ -12,6 +12,10 @@ use super::GpuContext;
 use super::layout::{
     ALL_BACKGROUND, COUNTERS_IN_ALL, RayTile, SUMS, SUMS_WITH_AOV, Slice, TILE, TILE_PIXELS,
 };
+use super::shadow_memory::ShadowMemory;
+
+/// Bytes of all counters.
+pub const COUNTER_BYTES: u64 = COUNTERS_IN_ALL as u64 * 8;
 
 /// Sums of consecutive tiles.
 #[derive(Debug)]
@@ -37,7 +41,7 @@ pub struct Accumulation {
     pub rays: wgpu::Buffer,
     /// Where each tile ended, as the shaders see it.
     pub tile_ends: wgpu::Buffer,
-    /// Counters.
+    /// Counters, and behind them shadows, if they are cached.
     pub totals: wgpu::Buffer,
     /// For each tile 0 while it is drawn, then its samples; `ALL_BACKGROUND` if it never was.
     ends: Vec<u32>,
@@ -45,9 +49,20 @@ pub struct Accumulation {
     drawn: Vec<u32>,
 }
 
+fn output_buffer(context: &GpuContext, label: &str, size: u64) -> wgpu::Buffer {
+    context.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size,
+        usage: wgpu::BufferUsages::STORAGE
+            | wgpu::BufferUsages::COPY_DST
+            | wgpu::BufferUsages::COPY_SRC,
+        mapped_at_creation: false,
+    })
+}
+
 impl Accumulation {
     /// Makes room for the picture of `request`, all zeros; in the buffers of `old` where they fit, so that a moving camera
-    /// does not allocate.
+    /// does not allocate. Counters share the buffer of `shadows`, if there are any.
     ///
     /// # Errors
     /// When there is no room.
@@ -55,6 +70,7 @@ impl Accumulation {
         context: &GpuContext,
         request: &RenderRequest,
         old: Option<Self>,
+        shadows: Option<&ShadowMemory>,
     ) -> Result<Self, RenderError> {
         let [_, _, width, height] = request.crop;
         let tiles = [width.div_ceil(TILE), height.div_ceil(TILE)];
@@ -89,7 +105,12 @@ impl Accumulation {
             for sums in &made.sums {
                 encoder.clear_buffer(&sums.buffer, 0, None);
             }
-            encoder.clear_buffer(&made.totals, 0, None);
+            if let Some(shadows) = shadows {
+                made.totals = shadows.buffer.clone();
+            } else if made.totals.size() != COUNTER_BYTES {
+                made.totals = output_buffer(context, "counters", COUNTER_BYTES);
+            }
+            encoder.clear_buffer(&made.totals, 0, Some(COUNTER_BYTES));
             made.ends = ends;
             made.draw_those_left(context, request);
             context.queue.submit([encoder.finish()]);
@@ -166,16 +187,7 @@ impl Accumulation {
         let count = tiles[0] * tiles[1];
         let tiles_in_buffer =
             (context.largest_binding() / tile_bytes).clamp(1, u64::from(count)) as u32;
-        let buffer = |label, size| {
-            context.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size,
-                usage: wgpu::BufferUsages::STORAGE
-                    | wgpu::BufferUsages::COPY_DST
-                    | wgpu::BufferUsages::COPY_SRC,
-                mapped_at_creation: false,
-            })
-        };
+        let buffer = |label, size| output_buffer(context, label, size);
         let sums = (0..count)
             .step_by(tiles_in_buffer as usize)
             .map(|first| {
@@ -193,7 +205,7 @@ impl Accumulation {
             sums,
             rays: buffer("ray tiles", u64::from(count) * size_of::<RayTile>() as u64),
             tile_ends: buffer("tile ends", u64::from(count) * 4),
-            totals: buffer("counters", u64::from(COUNTERS_IN_ALL) * 8),
+            totals: buffer("counters", COUNTER_BYTES),
             ends: Vec::new(),
             drawn: Vec::new(),
         }
@@ -258,7 +270,12 @@ impl Accumulation {
             exposure_scale: 1.0,
             closing_bounce: request.settings.closing_bounce().unwrap_or(0),
             step: request.settings.step_mm as f32,
-            unused: 0.0,
+            cached_shadows: request.settings.cached_shadows,
+            shadow_texels: [0; 4],
+            shadow_per_cell: 0,
+            shadow_shift: 0,
+            shadow_layers_below: 0,
+            shadow_layers_per_mm: 0.0,
             background: [red, green, blue, 0.0],
         }
     }

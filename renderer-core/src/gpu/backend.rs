@@ -18,6 +18,7 @@ use super::needs::SceneNeeds;
 use super::pipelines::{Pipelines, binding};
 use super::readback::{self, dispatch, entry, slice_buffer};
 use super::schedule::{Drawn, Job, Pace, Schedule};
+use super::shadow_memory::ShadowMemory;
 use super::upload::SceneBuffers;
 
 /// Longest dispatch to aim for: what shares the device with us, a desktop perhaps, waits no longer.
@@ -31,6 +32,8 @@ pub struct GpuBackend {
     scene: Option<SceneBuffers>,
     work: Option<Work>,
     pace: Pace,
+    /// What is known of the shadows of the picture in work, and of pictures like it.
+    shadows: Option<ShadowMemory>,
     display: Option<wgpu::Texture>,
     filter_f32: bool,
     pipeline_time: Duration,
@@ -63,6 +66,7 @@ impl GpuBackend {
             scene: None,
             work: None,
             pace: Pace::default(),
+            shadows: None,
             display: None,
             filter_f32: false,
             pipeline_time: Duration::ZERO,
@@ -101,7 +105,7 @@ impl GpuBackend {
                 samples: 0..samples,
                 stride: 0,
             };
-            work.draw(&self.context, (pipeline, trace.group()), scene, &job)?;
+            work.draw(&self.context, (pipeline, trace.group()), scene, &job, None)?;
             place = end;
         }
         Ok(())
@@ -266,6 +270,7 @@ impl Work {
         (pipeline, layout): (&wgpu::ComputePipeline, &wgpu::BindGroupLayout),
         scene: &SceneBuffers,
         job: &Job,
+        shadows: Option<&ShadowMemory>,
     ) -> Result<(), RenderError> {
         let (buffer, _) = self.accumulation.buffer_of(job.tiles.start);
         let mut slice = self
@@ -275,6 +280,9 @@ impl Work {
         slice.end_sample = job.samples.end;
         slice.stride = job.stride;
         slice.pixels_per_tile = job.pixels_per_tile();
+        if let Some(shadows) = shadows {
+            shadows.describe(&mut slice);
+        }
         let encoder = context.guarded(|| {
             let slice = slice_buffer(context, &slice);
             let group = context
@@ -348,14 +356,19 @@ impl Backend for GpuBackend {
         let before = self.work.take().map(|work| work.accumulation);
         let old = self.scene.as_ref();
         let scene = SceneBuffers::new(&self.context, &self.pipelines, &request.scene, old)?;
-        let accumulation = match Accumulation::new(&self.context, request, before) {
+        self.shadows = ShadowMemory::new(&self.context, request, self.shadows.take())?;
+        let shadows = self.shadows.as_ref();
+        let accumulation = match Accumulation::new(&self.context, request, before, shadows) {
             Ok(accumulation) => accumulation,
             Err(error) => {
                 self.scene = Some(scene);
                 return Err(error);
             }
         };
-        let needs = SceneNeeds::new(&request.scene, &request.settings, self.filter_f32);
+        let needs = SceneNeeds {
+            cached_shadows: shadows.is_some(),
+            ..SceneNeeds::new(&request.scene, &request.settings, self.filter_f32)
+        };
         let pipeline = self.pipelines.trace.get(needs, &scene.group)?;
         self.scene = Some(scene);
         self.work = Some(Work {
@@ -390,14 +403,28 @@ impl Backend for GpuBackend {
             let paths = self.pace.paths_in(left.min(LONGEST_DISPATCH));
             let accumulation = &work.accumulation;
             let buffer_end = |place| accumulation.buffer_of(place).1;
-            let job = work
-                .schedule
-                .next(paths, work.request.settings.samples, buffer_end);
+            let settings = &work.request.settings;
+            let samples = work.schedule.samples();
+            // Samples that learn shadows from each other come one by one.
+            let caches = self.shadows.as_ref();
+            let most = if caches.is_some() && settings.caches_shadows(samples) {
+                samples + 1
+            } else {
+                settings.samples
+            };
+            let job = work.schedule.next(paths, most, buffer_end);
             let begun = Instant::now();
             let layout = self.pipelines.trace.group();
-            work.draw(&self.context, (&pipeline, layout), scene, &job)?;
+            work.draw(&self.context, (&pipeline, layout), scene, &job, caches)?;
             self.pace.learn(job.paths(), begun.elapsed());
+            let before = samples;
             let samples = work.schedule.samples();
+            if let Some(shadows) = caches
+                && samples > before
+                && work.request.settings.caches_shadows(samples)
+            {
+                shadows.settle(&self.context, &mut self.pipelines)?;
+            }
             if work.schedule.is_between_passes() && has_estimate(samples) {
                 work.estimate(&self.context, &mut self.pipelines)?;
             }

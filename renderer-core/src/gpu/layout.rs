@@ -112,8 +112,16 @@ constants! {
     COUNT_ENDED_RAYS = 6;
     /// Index of the counter of rays for which no ground yarn was looked for.
     COUNT_HIDDEN_RAYS = 7;
+    /// Index of the counter of shadow rays that the cache saved.
+    COUNT_CACHED_RAYS = 8;
     /// Number of counters.
-    COUNTERS_IN_ALL = 8;
+    COUNTERS_IN_ALL = 9;
+    /// Word of the counters' buffer at which shadows begin.
+    SHADOWS_FROM = 32;
+    /// Rays that make a mean of shadows.
+    ENOUGH_RAYS = crate::render::shadow_cache::ENOUGH_RAYS;
+    /// Rays that make a final one.
+    ALL_RAYS = crate::render::shadow_cache::ALL_RAYS;
     /// Bit of a stitch word: warp over at the crossing itself.
     STITCH_HERE = 0;
     /// Bit of a stitch word: warp over at the next crossing along x.
@@ -311,8 +319,18 @@ mirrors! {
         closing_bounce: u32,
         /// Longest uniform piece of `exact`, mm.
         step: f32,
-        /// Padding.
-        unused: f32,
+        /// First samples whose shadows may come from a cache.
+        cached_shadows: u32,
+        /// Texels of the cache along x, y and z; lights.
+        shadow_texels: [u32; 4],
+        /// Its texels of a cell along each side.
+        shadow_per_cell: i32,
+        /// Binary logarithm of the cells of a texel along each side.
+        shadow_shift: u32,
+        /// Its layers below the sheet's plane.
+        shadow_layers_below: i32,
+        /// Its layers in a millimetre.
+        shadow_layers_per_mm: f32,
         /// Background.
         background: [f32; 4],
     }

@@ -26,6 +26,7 @@ mod pipelines;
 mod readback;
 mod schedule;
 pub mod shaders;
+mod shadow_memory;
 mod upload;
 mod watch;
 

@@ -37,6 +37,8 @@ pub struct SceneNeeds {
     pub owen: bool,
     /// How it varies: `SKY_*`.
     pub sky: u32,
+    /// First samples may take their shadows from a cache, which the device has room for.
+    pub cached_shadows: bool,
     /// Depth, normal and albedo are accumulated.
     pub aov: bool,
     /// Work is counted.
@@ -50,7 +52,7 @@ pub struct SceneNeeds {
 }
 
 impl SceneNeeds {
-    /// What `scene` drawn with `settings` needs.
+    /// What `scene` drawn with `settings` needs, without a cache of shadows.
     pub fn new(scene: &Scene, settings: &Settings, filter_f32: bool) -> Self {
         // What the scene's numbers turn off as well, so that it need not be left out.
         let every = !settings.skips.has(Skip::UnusedShading);
@@ -78,6 +80,7 @@ impl SceneNeeds {
                 Sky::Image { .. } if environment => layout::SKY_IMAGE,
                 _ => layout::SKY_UNIFORM,
             },
+            cached_shadows: false,
             aov: settings.aov,
             counters: settings.counters,
             filter_f32,
@@ -127,6 +130,7 @@ impl SceneNeeds {
             flag("SHADOWS", self.shadows),
             flag("OWEN", self.owen),
             ("SKY", self.sky.into()),
+            flag("CACHED_SHADOWS", self.cached_shadows),
             flag("AOV", self.aov),
             flag("COUNTERS", self.counters),
             flag("FILTER_F32", self.filter_f32),

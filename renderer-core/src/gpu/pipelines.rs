@@ -9,7 +9,7 @@ use super::GpuContext;
 use super::builder::Builder;
 use super::kept::KeptPipelines;
 use super::layout::{SceneConstants, Slice};
-use super::shaders::{Composed, ERROR, Part, RESOLVE, TRACE};
+use super::shaders::{Composed, ERROR, Part, RESOLVE, SETTLE, TRACE};
 
 /// Bindings of group 1; group 0 is the scene's.
 pub mod binding {
@@ -50,10 +50,12 @@ pub struct Pipelines {
     display: Program,
     linear: Program,
     error: Program,
+    settle: Program,
     /// Keyed by AOV.
     displays: HashMap<bool, wgpu::ComputePipeline>,
     linears: HashMap<bool, wgpu::ComputePipeline>,
     errors: HashMap<bool, wgpu::ComputePipeline>,
+    settled: Option<wgpu::ComputePipeline>,
 }
 
 fn storage(binding: u32, read_only: bool) -> wgpu::BindGroupLayoutEntry {
@@ -224,10 +226,12 @@ impl Pipelines {
                 None,
                 &[sums, slice, ends, storage(binding::TILE_ERRORS, false)],
             )?,
+            settle: program(SETTLE, None, &[storage(binding::TOTALS, false)])?,
             scene_layout,
             displays: HashMap::new(),
             linears: HashMap::new(),
             errors: HashMap::new(),
+            settled: None,
         })
     }
 
@@ -256,6 +260,15 @@ impl Pipelines {
     /// The pipeline that sums up errors.
     pub fn error(&mut self, context: &GpuContext, aov: bool) -> Made<'_> {
         made(&self.error, &mut self.errors, context, "error_main", aov)
+    }
+
+    /// The pipeline that makes learned shadows known.
+    pub fn settle(&mut self, context: &GpuContext) -> Made<'_> {
+        let pipeline = match self.settled.take() {
+            Some(pipeline) => pipeline,
+            None => self.settle.pipeline(context, "settle_main", &[])?,
+        };
+        Ok((self.settled.insert(pipeline), &self.settle.group))
     }
 }
 

@@ -7,7 +7,7 @@ use crate::render::convergence::PixelErrors;
 use crate::render::{Counters, RenderError, RenderRequest};
 
 use super::GpuContext;
-use super::accumulation::Accumulation;
+use super::accumulation::{Accumulation, COUNTER_BYTES};
 use super::layout::{self, COUNTERS_IN_ALL, Slice, TILE, TILE_PIXELS};
 use super::pipelines::{Pipelines, binding};
 use super::schedule::Drawn;
@@ -60,13 +60,13 @@ pub fn dispatch(
     pass.dispatch_workgroups(workgroups, 1, 1);
 }
 
-/// Submits `encoder` with a copy of `source` behind it, and returns the copy.
+/// Submits `encoder` with a copy of the first `size` bytes of `source` behind it, and returns the copy.
 fn read(
     context: &GpuContext,
     mut encoder: wgpu::CommandEncoder,
     source: &wgpu::Buffer,
+    size: u64,
 ) -> Result<Vec<u8>, RenderError> {
-    let size = source.size();
     let staging = context.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("read back"),
         size,
@@ -143,7 +143,7 @@ pub fn picture(
                 ];
                 let workgroups = pixels.div_ceil(layout::WORKGROUP.into()) as u32;
                 dispatch(context, &mut encoder, made, &entries, workgroups);
-                read(context, encoder, &output)
+                read(context, encoder, &output, output.size())
             })??;
             let values = floats(&bytes);
             for (index, pixel) in values.chunks_exact(4 * vectors).enumerate() {
@@ -210,7 +210,7 @@ pub fn tile_errors(
                     entry(binding::TILE_ERRORS, &output),
                 ];
                 dispatch(context, &mut encoder, made, &entries, tiles.len() as u32);
-                read(context, encoder, &output)
+                read(context, encoder, &output, output.size())
             })??;
             let found = floats(&bytes);
             errors.extend(
@@ -230,7 +230,14 @@ pub fn counters(
     context: &GpuContext,
     accumulation: &Accumulation,
 ) -> Result<Counters, RenderError> {
-    let bytes = context.guarded(|| read(context, context.encoder(), &accumulation.totals))??;
+    let bytes = context.guarded(|| {
+        read(
+            context,
+            context.encoder(),
+            &accumulation.totals,
+            COUNTER_BYTES,
+        )
+    })??;
     let words: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes);
     let total = |which: u32| {
         debug_assert!(which < COUNTERS_IN_ALL);
@@ -245,6 +252,7 @@ pub fn counters(
         volume_samples: total(layout::COUNT_VOLUME_SAMPLES),
         contributing_hits: total(layout::COUNT_CONTRIBUTING_HITS),
         ended_rays: total(layout::COUNT_ENDED_RAYS),
+        cached_rays: total(layout::COUNT_CACHED_RAYS),
         hidden_rays: total(layout::COUNT_HIDDEN_RAYS),
         ..Counters::default()
     })

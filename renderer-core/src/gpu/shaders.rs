@@ -13,13 +13,16 @@ macro_rules! parts {
 pub const TRACE: &[Part] = parts![
     "settings.wgsl" "scene.wgsl" "sampling.wgsl" "counters.wgsl" "walk.wgsl" "block.wgsl" "patch.wgsl" "volume.wgsl"
     "skeleton.wgsl" "surface.wgsl" "phase.wgsl" "lights.wgsl" "events.wgsl" "single.wgsl" "layered.wgsl"
-    "composite.wgsl" "loop_line.wgsl" "met.wgsl" "tracked.wgsl" "camera.wgsl" "picture.wgsl" "bounced.wgsl" "exact.wgsl" "trace.wgsl"
-    "bare.wgsl"
+    "composite.wgsl" "loop_line.wgsl" "met.wgsl" "tracked.wgsl" "camera.wgsl" "picture.wgsl" "bounced.wgsl"
+    "shadow_cache.wgsl" "exact.wgsl" "trace.wgsl" "bare.wgsl"
 ];
 /// The program that shows or returns the mean.
 pub const RESOLVE: &[Part] = parts!["settings.wgsl" "picture.wgsl" "resolve.wgsl"];
 /// The program that estimates the error.
 pub const ERROR: &[Part] = parts!["settings.wgsl" "picture.wgsl" "error.wgsl"];
+
+/// The program that makes learned shadows known.
+pub const SETTLE: &[Part] = parts!["settings.wgsl" "counters.wgsl" "settle.wgsl"];
 
 /// Several files as one WGSL module.
 #[derive(Debug, Clone)]

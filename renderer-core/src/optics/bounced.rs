@@ -30,6 +30,33 @@ const LEVEL: f64 = 0.9;
 /// Least visibility: of what is blocked wholly, too.
 const FLOOR: f64 = 1e-4;
 
+/// The exponent with which [`Seen`] takes means: the middle mode's.
+const MIDDLE: f64 = MODES[1][2];
+
+/// How much of a light reaches the surroundings of a point: means over many rays.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seen {
+    /// Mean of the rays' visibility V: what direct light needs.
+    pub direct: f64,
+    /// Mean of V^β of the middle mode, with the floor: bounced light is no mean of V.
+    pub even: f64,
+}
+
+impl Seen {
+    /// What a single ray tells.
+    pub fn by(visibility: f64) -> Self {
+        Self {
+            direct: visibility,
+            even: visibility.max(FLOOR).powf(MIDDLE),
+        }
+    }
+
+    /// The visibility that brings as much light of the middle mode.
+    pub fn for_bounces(&self) -> f64 {
+        self.even.powf(MIDDLE.recip())
+    }
+}
+
 /// Mean radiance by bounces, of red, green and blue, at a point whose surroundings have albedo `albedo`, per mean
 /// radiance that an unhindered light brings; `up` is l_z⁺.
 pub fn bounced(visibility: f64, up: f64, albedo: DVec3, orders: u32) -> DVec3 {

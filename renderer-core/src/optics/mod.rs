@@ -7,7 +7,7 @@ mod scatter;
 mod sky;
 mod surface;
 
-pub use bounced::bounced;
+pub use bounced::{Seen, bounced};
 pub use scatter::{Lobe, Optics, Vertex};
 pub use sky::environment_radiance;
 pub use surface::SurfaceOptics;

@@ -76,6 +76,7 @@ impl Backend for ReferenceBackend {
             deadline,
             cancel,
             |pixel, sample, scratch: &mut Scratch| tracer.sample(pixel, sample, scratch),
+            |_| {},
         );
         Ok(progressive.progress())
     }

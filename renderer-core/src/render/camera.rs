@@ -103,6 +103,24 @@ impl Camera {
         }
     }
 
+    /// Width of a pixel of a picture `height` pixels high, across the view where its middle meets the sheet's plane (or at the
+    /// eye's height above it, for views past the sheet), mm.
+    pub fn pixel_mm(&self, height: u32) -> f64 {
+        let height = f64::from(height.max(1));
+        match self.projection {
+            Projection::Orthographic { height_mm } => height_mm / height,
+            Projection::Perspective { fov } => {
+                let to_plane = -self.eye.z / self.forward.z;
+                let distance = if to_plane > 0.0 && to_plane.is_finite() {
+                    to_plane.min(self.eye.length())
+                } else {
+                    self.eye.z.abs()
+                };
+                2.0 * distance * (0.5 * fov).tan() / height
+            }
+        }
+    }
+
     /// Whether all rays have one direction.
     pub fn is_parallel(&self) -> bool {
         matches!(self.projection, Projection::Orthographic { .. })

@@ -10,6 +10,7 @@ mod camera;
 pub mod convergence;
 mod first_look;
 pub mod progressive;
+pub mod shadow_cache;
 mod skips;
 
 pub use background::{background_tiles, cloth_box, z_range_mm};
@@ -70,6 +71,8 @@ pub struct Settings {
     pub counters: bool,
     /// Work that is left out where it cannot be seen.
     pub skips: Skips,
+    /// First samples of each pixel whose shadows may come from [`shadow_cache`]; renderers that have none trace all.
+    pub cached_shadows: u32,
 }
 
 impl From<&Quality> for Settings {
@@ -84,6 +87,7 @@ impl From<&Quality> for Settings {
             seed,
             sampler,
             shadows,
+            cached_shadows,
         } = *quality;
         Self {
             method,
@@ -98,11 +102,17 @@ impl From<&Quality> for Settings {
             aov: false,
             counters: false,
             skips: Skips::ALL,
+            cached_shadows,
         }
     }
 }
 
 impl Settings {
+    /// Whether sample `number` of a pixel may take its shadows from a cache.
+    pub fn caches_shadows(&self, number: u32) -> bool {
+        self.shadows && number < self.cached_shadows
+    }
+
     /// The scattering at which the light of all further ones is estimated, if not all are traced.
     pub fn closing_bounce(&self) -> Option<u32> {
         (1..self.bounces)
@@ -150,6 +160,8 @@ pub struct Counters {
     pub repeated_tests: u64,
     /// Shadow rays ended because hardly any light came through.
     pub ended_rays: u64,
+    /// Shadow rays not traced because their surroundings' shadows were known.
+    pub cached_rays: u64,
     /// Rays that ended in pile before ground yarns were looked for, or at a ground weave without gaps before what lies
     /// behind it.
     pub hidden_rays: u64,
@@ -169,6 +181,7 @@ impl std::ops::AddAssign for Counters {
             skipped_cells,
             repeated_tests,
             ended_rays,
+            cached_rays,
             hidden_rays,
         } = other;
         self.rays += rays;
@@ -182,6 +195,7 @@ impl std::ops::AddAssign for Counters {
         self.skipped_cells += skipped_cells;
         self.repeated_tests += repeated_tests;
         self.ended_rays += ended_rays;
+        self.cached_rays += cached_rays;
         self.hidden_rays += hidden_rays;
     }
 }

@@ -76,13 +76,14 @@ impl Progressive {
     }
 
     /// Draws until `deadline`, or until done or `cancel` is true. `draw(pixel of the whole picture, sample, scratch)`
-    /// makes one sample; each thread has its own scratch.
+    /// makes one sample; each thread has its own scratch. `drawn(samples)` is called when all pixels have that many.
     pub fn advance<S: Default + AsMut<Counters>>(
         &mut self,
         threads: Threads,
         deadline: Instant,
         cancel: &AtomicBool,
         draw: impl Fn([u32; 2], u32, &mut S) -> Sample + Sync,
+        drawn: impl Fn(u32),
     ) {
         let out_of_time = || cancel.load(Ordering::Relaxed) || Instant::now() >= deadline;
         let [left, top, ..] = self.request.crop;
@@ -120,6 +121,9 @@ impl Progressive {
                 return;
             }
             self.pass = pass.next();
+            if self.pass.samples_before() > pass.samples_before() {
+                drawn(self.pass.samples_before());
+            }
             if has_estimate(self.pass.samples_before()) {
                 self.estimate();
             }

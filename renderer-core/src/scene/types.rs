@@ -60,6 +60,18 @@ pub struct Scene {
     pub lights: Section<Lights>,
 }
 
+impl Scene {
+    /// Whether as much of each light reaches every point of both scenes: colours and backgrounds may differ.
+    pub fn has_same_shadows(&self, other: &Self) -> bool {
+        self.sheet == other.sheet
+            && self.loops == other.loops
+            && self.volumes == other.volumes
+            && self.pile == other.pile
+            && self.skeleton == other.skeleton
+            && self.lights == other.lights
+    }
+}
+
 /// Size of the sheet (MODEL.md §1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SheetGeometry {

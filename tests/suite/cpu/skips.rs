@@ -9,10 +9,9 @@ use renderer_core::design::{Design, Method};
 use renderer_core::image::Picture;
 use renderer_core::render::{Backend, Counters, RenderRequest, Skip};
 
-use super::cloths::same_as_reference;
 use super::scenes::{CAMERAS, LOOPS};
 use crate::support::agreement::same_distribution;
-use crate::support::compare::ROUNDING;
+use crate::support::compare::{ROUNDING, same_as_reference};
 use crate::support::device::{finish, on_reference, repeats};
 use crate::support::scenes::{preset_path, request, small_towel};
 

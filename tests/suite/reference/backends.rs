@@ -53,6 +53,7 @@ fn request(method: Method) -> RenderRequest {
             aov: true,
             counters: true,
             skips: Skips::ALL,
+            cached_shadows: 0,
         },
     }
 }

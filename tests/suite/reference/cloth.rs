@@ -145,6 +145,7 @@ pub fn request(scene: Scene, method: Method, bounces: u32) -> RenderRequest {
             aov: false,
             counters: true,
             skips: Skips::ALL,
+            cached_shadows: 0,
         },
     }
 }

@@ -7,7 +7,7 @@ use renderer_core::image::Picture;
 use renderer_core::reference::ReferenceBackend;
 use renderer_core::render::Backend;
 
-use crate::support::compare::{same_means, same_samples, shows_something};
+use crate::support::compare::{same_as_reference, same_means, same_samples, shows_something};
 use crate::support::device::{exact_gpu, finish, gpu, on_reference, reference, repeats};
 use crate::support::scenes::{request, small_towel};
 
@@ -91,7 +91,7 @@ fn assert_agree(exact: &mut GpuBackend, what: &str, design: &Design, methods: &[
             // In the densest pile a ray ends at the first piece that is not quite empty, and rounding decides which is.
             let ends_by_rounding = method == Method::Exact && design.pile.density > 1e5;
             if method != Method::Tracked && !ends_by_rounding {
-                same_samples(&request, &expected, &drawn)
+                same_as_reference(&request, &expected, &drawn)
                     .unwrap_or_else(|error| panic!("{what}: {error}"));
             }
         }

@@ -1,0 +1,253 @@
+//! Shadows kept for the live view: how much of each light reaches the surroundings of a point, learned from the shadow rays
+//! of a picture's first samples (not in the paper; a lazily filled relative of deep shadow maps).
+//!
+//! The cloth's box is a grid of texels, about [`TEXEL_PX`] pixels wide in the middle of the picture, and none across the
+//! sheet's plane. The rays of [`Settings::cached_shadows`](super::Settings::cached_shadows) first samples ask it: where a
+//! texel has seen enough rays towards a light, its mean replaces the ray; else the ray is traced, and counts there. What has
+//! been learned is used from the next sample on, so that a picture does not depend on the order in which its pixels are
+//! drawn. Points are moved by up to half a texel before they ask, which blurs the texels' edges away in the mean of a few
+//! samples.
+//!
+//! Biased: shadows are blurred over a texel. The bias of a picture falls as later samples, whose rays are all traced,
+//! outweigh the first. The cache outlives a picture as long as the cloth, its lights and, within a factor of two, the scale
+//! of the view are the same: a moving camera finds what others have learned.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use glam::DVec3;
+
+use super::RenderRequest;
+use super::background::z_range_mm;
+use crate::design::Method;
+use crate::optics::Seen;
+use crate::scene::Scene;
+
+/// Texels times lights at most: 64 MB.
+const MOST_ENTRIES: f64 = 4_194_304.0;
+/// Layers at most on one side of the sheet.
+const MOST_LAYERS: f64 = 16.0;
+/// Layers at least on the side where most of the pile is: light falls off from its tips to its roots.
+const FEWEST_LAYERS: f64 = 4.0;
+/// Width of a texel at least, pixels.
+pub const TEXEL_PX: f64 = 3.0;
+/// Finest texels of a cell along each side.
+const FINEST_PER_CELL: u32 = 8;
+/// Rays that a texel has seen before its mean is used: their spread is at most ½, that of the mean ⅛, and a pixel asks
+/// several texels.
+pub const ENOUGH_RAYS: u32 = 16;
+/// Until a texel has seen so many, a share of the rays is traced all the same and makes the mean better: else its error would
+/// stay, and show as a stain.
+pub const ALL_RAYS: u32 = 128;
+/// That share.
+pub const TRACED_SHARE: f32 = 0.25;
+/// Steps of a sum from 0 to 1; 4 million rays fit a sum.
+pub const SUM_STEPS: f64 = 1024.0;
+/// Steps of a mean from 0 to 1.
+pub const MEAN_STEPS: f64 = 32767.0;
+/// Marks a mean that is final.
+const FINAL: u32 = 1 << 31;
+
+/// The texels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ShadowGrid {
+    /// Texels along x, y and z.
+    pub texels: [u32; 3],
+    /// A texel is 1 / `per_cell` cells wide where that is above 1, else 1 << `shift` cells.
+    pub per_cell: u32,
+    /// See `per_cell`.
+    pub shift: u32,
+    /// How many layers lie below the sheet's plane.
+    pub layers_below: u32,
+    /// Height of a layer, mm.
+    pub layer_mm: f64,
+    /// Lights: the suns, then the environment.
+    pub lights: u32,
+    /// Cells of the sheet, and their size, mm.
+    cells: [u32; 2],
+    pitch_mm: [f64; 2],
+}
+
+impl ShadowGrid {
+    /// The texels for a picture whose pixels are `pixel_mm` wide on the cloth.
+    pub fn new(scene: &Scene, pixel_mm: f64) -> Self {
+        let sheet = &scene.sheet;
+        let pitch_mm = [sheet.pitch_x_mm, sheet.pitch_y_mm];
+        let narrow = pitch_mm[0].min(pitch_mm[1]);
+        let (mut per_cell, mut shift) = (FINEST_PER_CELL, 0);
+        loop {
+            let grid = Self::of_width(scene, per_cell, shift);
+            let width_mm = narrow * f64::from(1_u32 << shift) / f64::from(per_cell);
+            let fits = grid.entries() as f64 <= MOST_ENTRIES;
+            // So wide that one is the whole sheet.
+            let widest = grid.texels[0] == 1 && grid.texels[1] == 1;
+            if widest || fits && width_mm >= TEXEL_PX * pixel_mm {
+                return grid;
+            }
+            if per_cell > 1 {
+                per_cell /= 2;
+            } else {
+                shift += 1;
+            }
+        }
+    }
+
+    fn of_width(scene: &Scene, per_cell: u32, shift: u32) -> Self {
+        let sheet = &scene.sheet;
+        let cells = [sheet.warps, sheet.wefts];
+        let pitch_mm = [sheet.pitch_x_mm, sheet.pitch_y_mm];
+        let [low, high] = z_range_mm(scene);
+        let tallest = high.max(-low).max(1e-3);
+        let width_mm =
+            pitch_mm[0].min(pitch_mm[1]) * f64::from(1_u32 << shift) / f64::from(per_cell);
+        // Cubes, if pile is neither very high nor very low.
+        let layer_mm = width_mm.clamp(tallest / MOST_LAYERS, tallest / FEWEST_LAYERS);
+        let below = (-low / layer_mm).ceil().max(0.0) as u32;
+        let above = (high / layer_mm).ceil().max(0.0) as u32;
+        let across = cells.map(|cells| (cells * per_cell).div_ceil(1 << shift));
+        Self {
+            texels: [across[0], across[1], (below + above).max(1)],
+            per_cell,
+            shift,
+            layers_below: below,
+            layer_mm,
+            lights: scene.lights.suns.len() as u32 + 1,
+            cells,
+            pitch_mm,
+        }
+    }
+
+    /// Texels times lights.
+    pub fn entries(&self) -> usize {
+        self.texels.iter().map(|&n| n as usize).product::<usize>() * self.lights as usize
+    }
+
+    /// The entry of the first light at a point of the world, mm, moved by −½ to ½ texel along each axis for numbers of
+    /// `random` from 0 to 1, but not through the sheet's plane nor out of the cloth's box.
+    #[inline(always)]
+    pub fn entry(&self, point: DVec3, random: [f64; 3]) -> usize {
+        let mut texel = [0_usize; 3];
+        let texel_steps = f64::from(1_u32 << self.shift);
+        for axis in 0..2 {
+            let cells = point[axis] / self.pitch_mm[axis] + 0.5 * f64::from(self.cells[axis]);
+            let place = cells * f64::from(self.per_cell) + (random[axis] - 0.5) * texel_steps;
+            let whole = place.max(0.0) as usize >> self.shift;
+            texel[axis] = whole.min(self.texels[axis] as usize - 1);
+        }
+        let below = self.layers_below as usize;
+        let depth = ((point.z.abs() / self.layer_mm + random[2] - 0.5).max(0.0)) as usize;
+        texel[2] = if point.z < 0.0 {
+            below.saturating_sub(depth + 1)
+        } else {
+            (below + depth).min(self.texels[2] as usize - 1)
+        };
+        let [x, y, _] = self.texels.map(|n| n as usize);
+        ((texel[2] * y + texel[1]) * x + texel[0]) * self.lights as usize
+    }
+}
+
+/// What of a request a cache depends on: the cloth, its lights, and how its rays see.
+#[derive(Debug, Clone)]
+pub struct ShadowKey {
+    scene: Arc<Scene>,
+    method: Method,
+    /// The texels.
+    pub grid: ShadowGrid,
+}
+
+impl ShadowKey {
+    /// For `request`; `None` if it takes no shadows from a cache.
+    pub fn new(request: &RenderRequest) -> Option<Self> {
+        let pixel_mm = request.camera.pixel_mm(request.size[1]);
+        request.settings.caches_shadows(0).then(|| Self {
+            scene: Arc::clone(&request.scene),
+            method: request.settings.method,
+            grid: ShadowGrid::new(&request.scene, pixel_mm),
+        })
+    }
+
+    /// Whether what has been learned for one holds for the other.
+    pub fn is_same(&self, other: &Self) -> bool {
+        self.method == other.method
+            && self.grid == other.grid
+            && self.scene.has_same_shadows(&other.scene)
+    }
+}
+
+/// What rays towards one light have seen from one texel.
+#[derive(Debug, Default)]
+struct Sums {
+    rays: AtomicU32,
+    direct: AtomicU32,
+    even: AtomicU32,
+}
+
+/// The cache of a renderer on the host. Threads of a sample read the means of earlier ones and add to the sums.
+#[derive(Debug)]
+pub struct ShadowCache {
+    key: ShadowKey,
+    /// Mean of [`Seen::direct`] in the 15 lowest bits, of [`Seen::even`] in the next 15, [`FINAL`]; 0: not yet known.
+    means: Vec<AtomicU32>,
+    sums: Vec<Sums>,
+}
+
+impl ShadowCache {
+    /// Knows nothing yet.
+    pub fn new(key: ShadowKey) -> Self {
+        let entries = key.grid.entries();
+        let mut means = Vec::new();
+        means.resize_with(entries, AtomicU32::default);
+        let mut sums = Vec::new();
+        sums.resize_with(entries, Sums::default);
+        Self { key, means, sums }
+    }
+
+    /// What it was made for.
+    pub fn key(&self) -> &ShadowKey {
+        &self.key
+    }
+
+    /// The mean of an entry, once it is known; not if the ray is to make it better, which `random` decides.
+    #[inline(always)]
+    pub fn seen(&self, entry: usize, random: impl FnOnce() -> f32) -> Option<Seen> {
+        let mean = self.means[entry].load(Ordering::Relaxed);
+        if mean == 0 || mean & FINAL == 0 && random() < TRACED_SHARE {
+            return None;
+        }
+        Some(Seen {
+            direct: f64::from(mean & 0x7fff) / MEAN_STEPS,
+            even: f64::from(mean >> 15 & 0x7fff) / MEAN_STEPS,
+        })
+    }
+
+    /// Adds what one ray saw.
+    #[inline(always)]
+    pub fn add(&self, entry: usize, seen: Seen) {
+        let sums = &self.sums[entry];
+        let steps = |share: f64| (share * SUM_STEPS + 0.5) as u32;
+        sums.rays.fetch_add(1, Ordering::Relaxed);
+        sums.direct.fetch_add(steps(seen.direct), Ordering::Relaxed);
+        sums.even.fetch_add(steps(seen.even), Ordering::Relaxed);
+    }
+
+    /// Makes what has been learned known: between two samples of a picture.
+    pub fn settle(&self) {
+        for (mean, sums) in self.means.iter().zip(&self.sums) {
+            let rays = sums.rays.load(Ordering::Relaxed);
+            if rays >= ENOUGH_RAYS && mean.load(Ordering::Relaxed) & FINAL == 0 {
+                let scale = MEAN_STEPS / (SUM_STEPS * f64::from(rays));
+                let of =
+                    |sum: &AtomicU32| (f64::from(sum.load(Ordering::Relaxed)) * scale + 0.5) as u32;
+                // What comes by bounces is never nothing, so that known means are not 0.
+                let both = of(&sums.direct) | of(&sums.even).max(1) << 15;
+                let mark = if rays >= ALL_RAYS { FINAL } else { 0 };
+                mean.store(both | mark, Ordering::Relaxed);
+            }
+        }
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> u64 {
+        (size_of_val(&*self.means) + size_of_val(&*self.sums)) as u64
+    }
+}

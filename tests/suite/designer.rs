@@ -570,12 +570,12 @@ fn suns_and_cameras_are_added_and_removed() {
     click(&mut harness, "Remove sun 1");
     assert!(design(&harness).light.sun.is_empty());
 
-    click(&mut harness, "Add camera from view");
+    click(&mut harness, "Save this view");
     let cameras = &design(&harness).view.cameras;
     assert_eq!(cameras.len(), 2);
     assert_ne!(cameras[0].name, cameras[1].name);
     assert!(design(&harness).faults().is_empty());
-    click(&mut harness, "Remove camera 2");
+    click(&mut harness, "Remove view 2");
     assert_eq!(design(&harness).view.cameras.len(), 1);
 }
 

@@ -164,7 +164,7 @@ fn saved_views_are_renamed_set_ordered_and_removed() {
     let mut harness = designer_of_size(None, vec2(1280.0, 2400.0));
     open_panel(&mut harness, "View & quality");
     click(&mut harness, "Toolbar: Macro");
-    click(&mut harness, "Add camera from view");
+    click(&mut harness, "Save this view");
     let macro_view = camera(&harness);
     assert_eq!(views(&harness), ["default", "view 2"]);
 
@@ -188,13 +188,13 @@ fn saved_views_are_renamed_set_ordered_and_removed() {
         "a name moves nothing"
     );
 
-    click(&mut harness, "Move camera 2 up");
+    click(&mut harness, "Move view 2 up");
     assert_eq!(views(&harness), ["loops", "default"]);
     undo(&mut harness, "order of views");
     assert_eq!(views(&harness), ["default", "loops"]);
 
     click(&mut harness, "Toolbar: Back");
-    click(&mut harness, "Set camera 2 to the view");
+    click(&mut harness, "Set view 2 to what is seen");
     assert_eq!(design(&harness).view.cameras[1].elevation, -90.0);
     assert_eq!(views(&harness)[1], "loops");
     undo(&mut harness, "set view “loops”");
@@ -203,9 +203,9 @@ fn saved_views_are_renamed_set_ordered_and_removed() {
         macro_view.distance
     );
 
-    click(&mut harness, "Look through camera 2");
+    click(&mut harness, "Show view 2");
     assert_eq!(camera(&harness).distance, macro_view.distance);
-    click(&mut harness, "Remove camera 1");
+    click(&mut harness, "Remove view 1");
     assert_eq!(views(&harness), ["loops"]);
     undo(&mut harness, "remove view “default”");
     undo(&mut harness, "rename view “loops”");

@@ -165,6 +165,8 @@ fn show_job(ui: &mut Ui, job: &Job) -> bool {
     let mut parts = Vec::new();
     if band == 0 {
         parts.push("Planting loops…".to_owned());
+    } else if standing.waits_for_device {
+        parts.push("Preparing the GPU…".to_owned());
     } else {
         if bands > 1 {
             parts.push(format!("band {band} of {bands}"));

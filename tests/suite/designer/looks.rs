@@ -127,6 +127,7 @@ fn windows_look_as_they_were_found_good() {
     let mut results = SnapshotResults::new();
     let in_light = [
         "menu View",
+        "menu Window",
         "message",
         "ready patterns",
         "question",
@@ -135,6 +136,7 @@ fn windows_look_as_they_were_found_good() {
     let in_dark = [
         "help",
         "export",
+        "file browser",
         "weave editor",
         "chart editor",
         "saved views",

@@ -104,8 +104,7 @@ impl Order {
         files::check_writable(&self.path).map_err(|error| text(&error))?;
         let is_given_up = || cancel.load(Ordering::Relaxed);
         let mut compiler = Compiler::default();
-        let compiled =
-            compiler.compile_unless_cancelled(&self.design, &Cancel::when(&is_given_up));
+        let compiled = compiler.compile_unless_cancelled(&self.design, &Cancel::when(&is_given_up));
         let scene = match compiled {
             Ok(scene) => scene,
             Err(CompileError::Cancelled) => return Ok(Outcome::Cancelled),

@@ -8,7 +8,9 @@ use crate::designer::command::Command;
 use crate::designer::style::ROW_HEIGHT;
 use crate::designer::view_work::free_name;
 use crate::designer::viewport::command::ViewCommand;
-use crate::designer::widgets::{Icon, IconButton, number, number_value, optional_number, row, subheading};
+use crate::designer::widgets::{
+    Icon, IconButton, number, number_value, optional_number, row, subheading,
+};
 
 /// Height of an orthographic picture; no part of the camera's own table because a camera need not have it.
 const ORTHOGRAPHIC_HEIGHT: Field = Field {

@@ -4,7 +4,7 @@ use egui::{Event, MouseWheelSource, MouseWheelUnit, TouchPhase};
 use glam::{DVec2, DVec3};
 use renderer_core::design::CameraDesign;
 use renderer_core::render::Camera;
-use towel_designer::designer::Folders;
+use towel_designer::designer::{Folders, camera_moves};
 
 use super::*;
 
@@ -49,6 +49,53 @@ fn scroll(harness: &mut Harness<'_, App>, delta: Vec2, fingers: bool, modifiers:
     harness.run_steps(20);
     harness.event(Event::ModifiersChanged(Modifiers::NONE));
     harness.run_steps(1);
+}
+
+#[test]
+fn what_was_seen_whole_stays_whole_when_the_chart_editor_opens() {
+    let mut harness = designer(None);
+    harness.get_by_label("Toolbar: Front").click();
+    wait(&mut harness, "the picture", |h| {
+        h.state().viewport().shown().image.is_some()
+    });
+    harness.run_steps(3);
+    let seen_whole = |harness: &Harness<'_, App>| {
+        let size = harness.state().viewport().size();
+        camera_moves::shows_all(&camera(harness), design(harness), size)
+    };
+    let first = camera(&harness);
+    assert!(seen_whole(&harness));
+    let size = harness.state().viewport().size();
+    let open_and_close = |harness: &mut Harness<'_, App>| {
+        click(harness, "Edit chart");
+        harness.run_steps(20);
+    };
+    open_and_close(&mut harness);
+    let narrow = harness.state().viewport().size();
+    assert!(narrow[0] < size[0] / 2 + 100, "{narrow:?} of {size:?}");
+    assert!(
+        !camera_moves::shows_all(&first, design(&harness), narrow),
+        "there is room: nothing is tested"
+    );
+    assert!(seen_whole(&harness) && camera(&harness).distance > first.distance);
+    open_and_close(&mut harness);
+    assert_eq!(harness.state().viewport().size(), size);
+    assert_eq!(camera(&harness), first, "it comes back");
+
+    // What was not seen whole stays as near as it was, and so does what was turned meanwhile.
+    click(&mut harness, "Toolbar: Macro");
+    let near = camera(&harness);
+    open_and_close(&mut harness);
+    assert_eq!(camera(&harness), near);
+    open_and_close(&mut harness);
+    click(&mut harness, "Toolbar: Front");
+    open_and_close(&mut harness);
+    focus_viewport(&mut harness);
+    harness.key_press(Key::ArrowLeft);
+    harness.run_steps(3);
+    let turned = camera(&harness);
+    open_and_close(&mut harness);
+    assert_eq!(camera(&harness), turned);
 }
 
 #[test]

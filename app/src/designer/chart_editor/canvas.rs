@@ -11,6 +11,7 @@ use super::pyramid::{Placement, Pyramid};
 use super::work::put;
 use super::{ChartEditor, Tool, bars};
 use crate::designer::style;
+use crate::designer::widgets::pointer_way;
 use crate::designer::widgets::shapes::{connected, squared, straightened};
 
 /// Nearest and farthest view, points for a pixel.
@@ -157,7 +158,8 @@ fn pointer(
     chart: &mut Chart,
     at: impl Fn(Pos2) -> [i32; 2],
 ) {
-    let Some(place) = response.interact_pointer_pos().map(at) else {
+    let way: Vec<[i32; 2]> = pointer_way(ui, response).into_iter().map(at).collect();
+    let (Some(&first), Some(&place)) = (way.first(), way.last()) else {
         end(editor, false);
         return;
     };
@@ -167,26 +169,29 @@ fn pointer(
     }
     let is_down = response.is_pointer_button_down_on() && ui.input(|i| i.pointer.primary_down());
     let is_click = response.clicked_by(PointerButton::Primary);
-    if !is_down && !is_click {
-        end(editor, false);
+    let is_under_way = (editor.canvas.gesture.as_ref()).is_some_and(|gesture| !gesture.by_keys);
+    if !is_down && !is_click && !is_under_way {
         return;
     }
     if ui.input(|i| i.modifiers.alt) && editor.canvas.gesture.is_none() {
         pick(editor, chart, place);
         return;
     }
-    if editor
-        .canvas
-        .gesture
-        .as_ref()
-        .is_none_or(|gesture| gesture.by_keys)
-    {
+    if !is_under_way {
+        // What Escape has taken back is not begun again by the button that is still down.
+        if !is_click && !ui.input(|i| i.pointer.primary_pressed()) {
+            return;
+        }
         response.request_focus();
         editor.canvas.cursor = place;
-        begin(editor, chart, place, false);
+        begin(editor, chart, first, false);
     }
     let shift = ui.input(|i| i.modifiers.shift);
-    go_on(editor, chart, place, shift);
+    // Of a shape only its ends count, and it may cover a large chart.
+    let is_stroke = editor.tool == Tool::Pencil;
+    for place in if is_stroke { way } else { vec![place] } {
+        go_on(editor, chart, place, shift);
+    }
     if !is_down {
         end(editor, false);
     }

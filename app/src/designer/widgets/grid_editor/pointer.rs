@@ -4,6 +4,7 @@ use egui::{Key, PointerButton, Response, Ui};
 
 use super::canvas::Canvas;
 use super::{Gesture, GridAccess, GridEditor, GridTool, fill, get, put, put_all};
+use crate::designer::widgets::pointer_way;
 use crate::designer::widgets::shapes::{self, Cell};
 
 /// Does what the pointer asks for. Whether a value changed.
@@ -26,11 +27,12 @@ pub(super) fn work(
         response.clicked_by(PointerButton::Primary),
         response.secondary_clicked(),
     );
-    let cell = response.interact_pointer_pos().map(|at| canvas.cell(at));
+    let way = pointer_way(ui, response);
+    let cells: Vec<Cell> = way.iter().map(|at| canvas.cell(*at)).collect();
     let mut changed = false;
     if (down || clicked || picked)
         && !is_by_pointer
-        && let Some(cell) = cell
+        && let Some(&cell) = cells.first()
     {
         let primary = clicked || ui.input(|i| i.pointer.primary_down());
         let secondary = picked || ui.input(|i| i.pointer.secondary_down());
@@ -45,8 +47,8 @@ pub(super) fn work(
             false
         };
     }
-    if let Some(cell) = cell {
-        let constrained = ui.input(|i| i.modifiers.shift);
+    let constrained = ui.input(|i| i.modifiers.shift);
+    for cell in cells {
         changed |= go_on(editor, canvas, grid, cell, constrained);
     }
     let is_by_keys = matches!(editor.gesture, Gesture::Shape { by_keys: true, .. });

@@ -212,6 +212,29 @@ fn a_stroke_within_few_frames_is_painted_where_the_pointer_went() {
     let mut expected = two_yarns();
     expected.fill_rectangle(0..3, 0..4, CREAM);
     assert_eq!(pixels(&harness), expected);
+
+    // All of it within one frame.
+    undo(&mut harness);
+    let all = [
+        Event::PointerMoved(start),
+        primary(start, true),
+        Event::PointerMoved(corner),
+        Event::PointerMoved(end),
+        primary(end, false),
+        Event::PointerMoved(away),
+    ];
+    in_frames(&mut harness, vec![all.to_vec()]);
+    assert_eq!(pixels(&harness), expected);
+    // Nor does a press beside the canvas paint.
+    undo(&mut harness);
+    let beside = harness.get_by_label("Viewport").rect().center();
+    let press = vec![
+        Event::PointerMoved(beside),
+        primary(beside, true),
+        Event::PointerMoved(start),
+    ];
+    in_frames(&mut harness, vec![press, vec![primary(start, false)]]);
+    assert_eq!(pixels(&harness), two_yarns());
 }
 
 #[test]

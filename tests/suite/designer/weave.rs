@@ -280,7 +280,23 @@ fn a_stroke_within_two_frames_is_painted_where_the_pointer_went() {
     }
     harness.run_steps(3);
     let way = shapes::line([1, 1], [1, 4]).chain(shapes::line([1, 4], [4, 4]));
-    assert_eq!(painted(&harness), way.collect());
+    let way: HashSet<Cell> = way.collect();
+    assert_eq!(painted(&harness), way);
+
+    // All of it within one frame.
+    undo(&mut harness);
+    assert_eq!(painted(&harness), HashSet::new());
+    harness.input_mut().events.extend([
+        Event::PointerMoved(start),
+        button(start, true),
+        Event::PointerMoved(corner),
+        Event::PointerMoved(end),
+        button(end, false),
+        Event::PointerMoved(away),
+    ]);
+    harness.step();
+    harness.run_steps(3);
+    assert_eq!(painted(&harness), way);
 }
 
 #[test]

@@ -11,7 +11,7 @@ use super::pyramid::{Placement, Pyramid};
 use super::work::put;
 use super::{ChartEditor, Tool, bars};
 use crate::designer::style;
-use crate::designer::widgets::pointer_way;
+use crate::designer::widgets::PointerWay;
 use crate::designer::widgets::shapes::{connected, squared, straightened};
 
 /// Nearest and farthest view, points for a pixel.
@@ -158,41 +158,39 @@ fn pointer(
     chart: &mut Chart,
     at: impl Fn(Pos2) -> [i32; 2],
 ) {
-    let way: Vec<[i32; 2]> = pointer_way(ui, response).into_iter().map(at).collect();
-    let (Some(&first), Some(&place)) = (way.first(), way.last()) else {
-        end(editor, false);
+    if let (true, Some(now)) = (
+        response.clicked_by(PointerButton::Secondary),
+        response.interact_pointer_pos(),
+    ) {
+        pick(editor, chart, at(now));
+        return;
+    }
+    let is_under_way = (editor.canvas.gesture.as_ref()).is_some_and(|gesture| !gesture.by_keys);
+    let way = PointerWay::new(ui, response, is_under_way);
+    let ends = way.ends;
+    let places: Vec<[i32; 2]> = way.places.into_iter().map(at).collect();
+    let (Some(&first), Some(&last)) = (places.first(), places.last()) else {
+        if ends {
+            end(editor, false);
+        }
         return;
     };
-    if response.clicked_by(PointerButton::Secondary) {
-        pick(editor, chart, place);
-        return;
-    }
-    let is_down = response.is_pointer_button_down_on() && ui.input(|i| i.pointer.primary_down());
-    let is_click = response.clicked_by(PointerButton::Primary);
-    let is_under_way = (editor.canvas.gesture.as_ref()).is_some_and(|gesture| !gesture.by_keys);
-    if !is_down && !is_click && !is_under_way {
-        return;
-    }
-    if ui.input(|i| i.modifiers.alt) && editor.canvas.gesture.is_none() {
-        pick(editor, chart, place);
-        return;
-    }
     if !is_under_way {
-        // What Escape has taken back is not begun again by the button that is still down.
-        if !is_click && !ui.input(|i| i.pointer.primary_pressed()) {
+        response.request_focus();
+        if ui.input(|i| i.modifiers.alt) {
+            pick(editor, chart, first);
             return;
         }
-        response.request_focus();
-        editor.canvas.cursor = place;
+        editor.canvas.cursor = first;
         begin(editor, chart, first, false);
     }
     let shift = ui.input(|i| i.modifiers.shift);
     // Of a shape only its ends count, and it may cover a large chart.
     let is_stroke = editor.tool == Tool::Pencil;
-    for place in if is_stroke { way } else { vec![place] } {
+    for place in if is_stroke { places } else { vec![last] } {
         go_on(editor, chart, place, shift);
     }
-    if !is_down {
+    if ends {
         end(editor, false);
     }
 }

@@ -428,10 +428,11 @@ impl Viewport {
     fn paint(&self, ui: &Ui, response: &Response, area: &Area) {
         let rect = area.rect;
         let painter = ui.painter_at(rect);
-        painter.rect_filled(rect, 0.0, style::viewport_ground(ui.visuals()));
         if let Some(texture) = &self.texture {
             let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
             painter.image(texture.id(), rect, whole, Color32::WHITE);
+        } else {
+            painter.rect_filled(rect, 0.0, style::viewport_ground(ui.visuals()));
         }
         self.compare.paint(ui, &painter, rect);
         overlay::note(

@@ -22,7 +22,7 @@ pub use icon::Icon;
 pub use icon_button::IconButton;
 pub use keys::arrow_keys;
 pub use number_row::{number, number_value, optional_number};
-pub use pointer_way::pointer_way;
+pub use pointer_way::PointerWay;
 pub use row::{label_of, more, row, subheading};
 pub use thumbnail::{Thumbnail, show_thumbnail};
 pub use toggle::{check_box, colour_well, radio_button};

@@ -70,7 +70,7 @@ pub fn menu(
         ui.menu_button("View", |ui| {
             view_bar::menu(ui, &document.design, viewport, commands);
         });
-        ui.menu_button("Window", |ui| {
+        ui.menu_button("Display", |ui| {
             let mut shows = has_presets;
             let check = check_box(ui, &mut shows, "Presets");
             if check.on_hover_text(PRESETS).clicked() {

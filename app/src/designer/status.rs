@@ -66,7 +66,7 @@ fn parts(viewport: &Viewport, shown: &Shown, magnification: Option<f64>) -> Vec<
         let measure = if viewport.screen_is_measured() {
             "size on the screen : size of the cloth"
         } else {
-            "size on the screen : size of the cloth, if the screen's pixels are as large as the system says; Window, Size of the screen tells better"
+            "size on the screen : size of the cloth, if the screen's pixels are as large as the system says; Display, Size of the screen tells better"
         };
         tell(scale_text(magnification), measure);
     }

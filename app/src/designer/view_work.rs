@@ -66,7 +66,7 @@ impl App {
     fn show_true_scale(&mut self, ctx: &Context) {
         self.viewport.show_true_scale(ctx);
         if !self.viewport.screen_is_measured() {
-            let text = "That is as large as the system says its pixels are. To be sure, hold a ruler to the screen: Window, Size of the screen.";
+            let text = "That is as large as the system says its pixels are. To be sure, hold a ruler to the screen: Display, Size of the screen.";
             self.notices.news("The cloth at 1:1", text);
         }
     }

@@ -196,7 +196,7 @@ fn a_stroke_within_few_frames_is_painted_where_the_pointer_went() {
 
     // A rectangle begins where the button went down, not where the frame ended.
     undo(&mut harness);
-    click(&mut harness, "Filled rectangle");
+    click(&mut harness, "Chart filled rectangle");
     in_frames(
         &mut harness,
         vec![

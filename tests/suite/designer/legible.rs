@@ -165,7 +165,7 @@ fn menus_are_no_higher_than_the_smallest_window() {
         scale: 2.0,
         size: SMALLEST,
     };
-    for menu in ["File", "Edit", "View", "Window", "Help"] {
+    for menu in ["File", "Edit", "View", "Display", "Help"] {
         let (mut harness, _home) = states::start(look);
         let places = |harness: &Harness<'_, App>| -> BTreeSet<String> {
             let controls = harness.root().children_recursive();

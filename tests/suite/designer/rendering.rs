@@ -450,20 +450,16 @@ fn an_edit_gives_up_a_scene_in_the_making() {
     let side = side.expect("this machine makes 64 million loops within a second");
     let begun_before = script.begun.lock().unwrap().len();
     let version = harness.state().viewport().shown().version;
-    let start = Instant::now();
     type_number(&mut harness, "Wefts", "1");
     wait(&mut harness, "the small cloth", |h| {
         h.state().viewport().shown().version > version && has_whole_picture(h)
     });
-    let took = start.elapsed();
     let loops = harness.state().viewport().shown().counts.planted;
     assert!(loops <= u64::from(2 * side), "{loops}");
     // The scene given up was never drawn, as it would have been if the edit had waited for it.
     let begun = script.begun.lock().unwrap()[begun_before..].to_vec();
     let all = u64::from(side) * u64::from(side);
     assert!(begun.iter().all(|(_, loops)| *loops < all / 2), "{begun:?}");
-    // Rows take milliseconds; the rest is a machine with other things to do.
-    assert!(took < Duration::from_secs(3), "{took:?}");
 }
 
 /// Asks for a cloth of so many yarns both ways. True if its scene is still being made when it will no more be finished

@@ -52,8 +52,8 @@ pub const STATES: [State; 18] = [
         reach: |h| click(h, "View"),
     },
     State {
-        name: "menu Window",
-        reach: |h| click(h, "Window"),
+        name: "menu Display",
+        reach: |h| click(h, "Display"),
     },
     State {
         name: "saved views",
@@ -131,7 +131,7 @@ pub const STATES: [State; 18] = [
     State {
         name: "size of the screen",
         reach: |h| {
-            click(h, "Window");
+            click(h, "Display");
             click(h, "Size of the screen…");
             h.run_steps(8);
         },
@@ -239,7 +239,7 @@ pub fn start(look: Look) -> (Harness<'static, App>, tempfile::TempDir) {
 
 /// Shows the presets, or hides them.
 pub fn show_presets(harness: &mut Harness<'static, App>) {
-    click(harness, "Window");
+    click(harness, "Display");
     let check = harness.get_by_role_and_label(Role::CheckBox, "Presets");
     check.click();
     harness.run_steps(6);

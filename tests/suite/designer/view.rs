@@ -289,7 +289,7 @@ fn true_scale_is_a_millimetre_for_a_millimetre_and_stays_so() {
     assert!((height_mm(&harness) - pixels(&harness) / 96.0 * 25.4).abs() < 1e-6);
 
     // Measured: half a pixel less for every pixel, by typing and by the arrow keys.
-    click(&mut harness, "Window");
+    click(&mut harness, "Display");
     click(&mut harness, "Size of the screen…");
     type_number(&mut harness, "Dots per inch", "120");
     assert!((height_mm(&harness) - pixels(&harness) / 120.0 * 25.4).abs() < 1e-6);

@@ -17,7 +17,7 @@ pub struct PaceArguments {
     /// What to render with.
     #[arg(long, value_enum, default_value_t)]
     backend: BackendChoice,
-    /// Seconds to measure in each of three phases: idle, rendering, editing.
+    /// Seconds to measure in each of four phases: idle, rendering, editing, painting.
     #[arg(long, default_value = "10", value_parser = arguments::seconds)]
     seconds: f64,
 }
@@ -52,6 +52,7 @@ fn line(frames: &Frames, idle: f64) -> String {
         Phase::Idle => "idle",
         Phase::Rendering => "rendering",
         Phase::Editing => "editing",
+        Phase::Painting => "painting",
     };
     let ms = |share: f64| 1000.0 * frames.percentile(share);
     format!(

@@ -341,6 +341,10 @@ impl Bar {
     fn show(&self, standing: &Standing) {
         self.0
             .set_position((standing.share * Self::LENGTH as f64) as u64);
+        if standing.waits_for_device {
+            self.0.set_message("preparing the GPU");
+            return;
+        }
         let error = standing.error.filter(|error| *error > 0.0);
         let error = error.map_or_else(String::new, |error| format!(" · error {error:.4}"));
         let [band, bands] = standing.band;

@@ -69,6 +69,8 @@ pub fn menu(
         });
         ui.menu_button("View", |ui| {
             view_bar::menu(ui, &document.design, viewport, commands);
+        });
+        ui.menu_button("Display", |ui| {
             let mut shows = has_presets;
             let check = check_box(ui, &mut shows, "Presets");
             if check.on_hover_text(PRESETS).clicked() {
@@ -78,6 +80,7 @@ pub fn menu(
             let scale = settings.scale;
             ui.menu_button("Interface scale", |ui| scales(ui, scale, commands));
             ui.menu_button("Theme", |ui| themes(ui, settings.theme, commands));
+            view_bar::size_of_the_screen(ui, commands);
         });
         ui.menu_button("Help", |ui| {
             item(ui, "Keys and version", true, Command::Help, commands);

@@ -91,18 +91,42 @@ pub fn zoom(camera: &mut CameraDesign, factor: f64, pixel: DVec2, size: [u32; 2]
     move_target(camera, fixed + (target - fixed) * scale);
 }
 
-/// Moves the camera back and to the middle until the whole cloth is in a picture of `size` pixels.
-pub fn fit(camera: &mut CameraDesign, design: &Design, size: [u32; 2]) {
+/// Corners of the box that holds the cloth.
+fn corners(design: &Design) -> impl Iterator<Item = DVec3> {
     let half = DVec3::new(
         f64::from(design.sheet.warps) * design.sheet.pitch_x() / 2.0,
         f64::from(design.sheet.wefts) * design.sheet.pitch_y() / 2.0,
         design.length.longest().min(design.pile.max_length),
     );
+    (0..8).map(move |k| {
+        let sign = |bit: u32| if k >> bit & 1 == 1 { 1.0 } else { -1.0 };
+        half * DVec3::new(sign(0), sign(1), sign(2))
+    })
+}
+
+/// Whether a picture of `size` pixels shows the whole cloth.
+pub fn shows_all(camera: &CameraDesign, design: &Design, size: [u32; 2]) -> bool {
+    let view = Camera::from_design(camera);
+    let target = DVec3::from_array(camera.target);
+    let aspect = f64::from(size[0]) / f64::from(size[1]);
+    corners(design).all(|corner| {
+        let from_target = corner - target;
+        let half_height = match view.projection {
+            Projection::Perspective { fov } => {
+                (camera.distance + from_target.dot(view.forward)) * (fov / 2.0).tan()
+            }
+            Projection::Orthographic { height_mm } => height_mm / 2.0,
+        };
+        let (x, y) = (from_target.dot(view.right), from_target.dot(view.up));
+        x.abs() <= half_height * aspect && y.abs() <= half_height
+    })
+}
+
+/// Moves the camera back and to the middle until the whole cloth is in a picture of `size` pixels.
+pub fn fit(camera: &mut CameraDesign, design: &Design, size: [u32; 2]) {
     camera.target = [0.0; 3];
     let view = Camera::from_design(camera);
-    let corners = (0..8).map(|k| {
-        let sign = |bit: u32| if k >> bit & 1 == 1 { 1.0 } else { -1.0 };
-        let corner = half * DVec3::new(sign(0), sign(1), sign(2));
+    let corners = corners(design).map(|corner| {
         DVec3::new(
             corner.dot(view.right).abs(),
             corner.dot(view.up).abs(),

@@ -175,7 +175,7 @@ fn cameras(before: &[CameraDesign], after: &[CameraDesign]) -> Option<String> {
     let changed = old.iter().zip(&new).filter(|((_, a), (_, b))| a != b);
     let others = a.target != b.target || a.orthographic_height != b.orthographic_height;
     if changed.count() == 1 && !others {
-        return numbers("camera", a, b);
+        return numbers("view", a, b);
     }
     Some(format!("set view “{}”", b.name))
 }

@@ -92,16 +92,15 @@ impl Command {
     }
 }
 
-/// Keys of the commands that have some, as the help lists them. Longer combinations first: egui's matching ignores a
-/// Shift that a shortcut does not name.
+/// Keys of the commands that have some, as the help lists them.
 pub const SHORTCUTS: &[(Command, KeyboardShortcut, &str)] = &[
-    (Command::SaveAs, shift(Key::S), "Save as"),
-    (Command::Redo, shift(Key::Z), "Redo"),
     (Command::New, ctrl(Key::N), "New design"),
     (Command::Open, ctrl(Key::O), "Open a preset"),
     (Command::Save, ctrl(Key::S), "Save"),
+    (Command::SaveAs, shift(Key::S), "Save as"),
     (Command::Export, ctrl(Key::E), "Export a picture"),
     (Command::Undo, ctrl(Key::Z), "Undo"),
+    (Command::Redo, shift(Key::Z), "Redo"),
     (Command::Redo, ctrl(Key::Y), "Redo"),
     (Command::Quit, ctrl(Key::Q), "Quit"),
     (Command::ScaleStep(1), ctrl(Key::Plus), "Larger interface"),
@@ -130,7 +129,11 @@ const fn shift(key: Key) -> KeyboardShortcut {
 /// Takes the shortcuts pressed in this frame. Undo and redo belong to a text field while one is being typed in.
 pub fn take_shortcuts(ctx: &Context, commands: &mut Vec<Command>) {
     let typing = ctx.text_edit_focused();
-    for (command, shortcut, _) in SHORTCUTS {
+    // Those with Shift first: egui's matching ignores a Shift that a shortcut does not name.
+    let (with, without): (Vec<_>, Vec<_>) = SHORTCUTS
+        .iter()
+        .partition(|(_, shortcut, _)| shortcut.modifiers.shift);
+    for (command, shortcut, _) in with.into_iter().chain(without) {
         let is_history = matches!(command, Command::Undo | Command::Redo);
         if !(typing && is_history) && ctx.input_mut(|i| i.consume_shortcut(shortcut)) {
             commands.push(command.clone());

@@ -59,7 +59,7 @@ pub use command::Command;
 pub use document::Document;
 pub use folders::Folders;
 pub use live_light::LiveLight;
-pub use render_thread::{Hurry, Shown, Wish};
+pub use render_thread::{Activity, Hurry, Shown, Wish};
 pub use renderer::{MakeBackend, Shot};
 pub use reopen::{Shelf, run};
 pub use widgets::{Icon, label_of, shapes};

@@ -1,15 +1,16 @@
 //! Measures how smoothly the window goes while it renders: the times between its frames, against those of the same window
 //! with nothing to render.
 //!
-//! The designer itself runs, in a real window that asks for one frame after the other. Frames are timed in three phases:
+//! The designer itself runs, in a real window that asks for one frame after the other. Frames are timed in four phases:
 //! the picture is done and nothing runs; the picture is being rendered; the design changes three times a second, so that
-//! scenes are made and pictures begun all the time.
+//! scenes are made and pictures begun all the time; a pattern of 64 × 64 stitches is painted, a cell in every frame.
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use egui::{Context, Ui, ViewportCommand};
+use renderer_core::design::Pattern;
 
 use super::render_thread::Activity;
 use super::{App, Setup, in_a_window};
@@ -19,6 +20,8 @@ use crate::backend::{self, BackendChoice};
 const SETTLING: Duration = Duration::from_millis(800);
 /// Time between two edits.
 const EDITS: Duration = Duration::from_millis(333);
+/// Columns and rows of the pattern that is painted.
+const PAINTED_SIDE: usize = 64;
 /// Longest wait for the first picture.
 const PATIENCE: Duration = Duration::from_secs(300);
 
@@ -33,6 +36,8 @@ pub enum Phase {
     Rendering,
     /// The design changes all the time.
     Editing,
+    /// A large pattern is painted, without a pause.
+    Painting,
 }
 
 /// The times between frames of a phase.
@@ -58,7 +63,7 @@ impl Frames {
 /// What was measured.
 #[derive(Debug, Clone, Default)]
 pub struct Pace {
-    /// Idle, rendering, editing.
+    /// Idle, rendering, editing, painting.
     pub phases: Vec<Frames>,
     /// What rendered.
     pub device: String,
@@ -94,6 +99,7 @@ pub fn measure(preset: PathBuf, choice: BackendChoice, time: Duration) -> anyhow
             last_frame: None,
             last_edit: Instant::now(),
             seconds: Vec::new(),
+            painted: 0,
             pace: Pace {
                 adapter,
                 ..Pace::default()
@@ -115,6 +121,8 @@ struct Measured {
     last_frame: Option<Instant>,
     last_edit: Instant,
     seconds: Vec<f64>,
+    /// The cell of the pattern that is painted next.
+    painted: usize,
     pace: Pace,
     result: Arc<Mutex<Result<Pace, String>>>,
 }
@@ -176,8 +184,21 @@ impl Measured {
             }
             Phase::Rendering if is_over => self.enter(Phase::Editing),
             Phase::Editing if is_over => {
+                let pattern = &mut self.app.document.design.weave.pattern;
+                let repeat = |col, row| pattern.at(col as i64, row as i64);
+                *pattern = Pattern::from_fn(PAINTED_SIDE, PAINTED_SIDE, repeat);
+                self.enter(Phase::Painting);
+            }
+            Phase::Painting if is_over => {
                 self.close_phase();
                 return Ok(true);
+            }
+            Phase::Painting => {
+                let pattern = &mut self.app.document.design.weave.pattern;
+                let (col, row) = (self.painted % PAINTED_SIDE, self.painted / PAINTED_SIDE);
+                let old = pattern.at(col as i64, row as i64);
+                pattern.set(col, row, if old == 7 { 0 } else { 7 });
+                self.painted = (self.painted + 1) % (PAINTED_SIDE * PAINTED_SIDE);
             }
             Phase::Editing if self.last_edit.elapsed() > EDITS => {
                 self.last_edit = Instant::now();

@@ -66,7 +66,7 @@ fn parts(viewport: &Viewport, shown: &Shown, magnification: Option<f64>) -> Vec<
         let measure = if viewport.screen_is_measured() {
             "size on the screen : size of the cloth"
         } else {
-            "size on the screen : size of the cloth, if the screen's pixels are as large as the system says; View, Size of the screen tells better"
+            "size on the screen : size of the cloth, if the screen's pixels are as large as the system says; Display, Size of the screen tells better"
         };
         tell(scale_text(magnification), measure);
     }
@@ -155,8 +155,13 @@ fn device(ui: &mut Ui, viewport: &Viewport, commands: &mut Vec<Command>) {
     };
     let button = ui.menu_button(name, |ui| backends(ui, viewport.choice(), commands));
     let device = shown.device.as_ref().map_or("", |(_, device)| device);
+    let why = if shown.stands_in {
+        "\nThe GPU was not ready for this picture: the processor draws the same meanwhile."
+    } else {
+        ""
+    };
     let tooltip = format!(
-        "{device}\nChosen: {}. Click to render with another backend.",
+        "{device}{why}\nChosen: {}. Click to render with another backend.",
         backend_name(viewport.choice())
     );
     button

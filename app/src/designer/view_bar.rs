@@ -76,9 +76,11 @@ const TRUE_SCALE: &str = "Shows the cloth as large as it is: a millimetre of clo
 /// The menu "View".
 pub fn menu(ui: &mut Ui, design: &Design, viewport: &Viewport, commands: &mut Vec<Command>) {
     item(ui, "Fit", true, Command::Fit, commands);
-    for view in StandardView::ALL {
-        item(ui, view.name(), true, Command::Standard(view), commands);
-    }
+    ui.menu_button("Standard views", |ui| {
+        for view in StandardView::ALL {
+            item(ui, view.name(), true, Command::Standard(view), commands);
+        }
+    });
     ui.menu_button("Saved views", |ui| {
         saved_views(ui, &design.view.cameras, commands);
     });
@@ -90,13 +92,6 @@ pub fn menu(ui: &mut Ui, design: &Design, viewport: &Viewport, commands: &mut Ve
         ViewCommand::TrueScale,
         commands,
     );
-    line(
-        ui,
-        "Size of the screen…",
-        "Tells how large the screen's pixels are, by a real ruler, so that 1:1 is true.",
-        ViewCommand::Calibrate,
-        commands,
-    );
     for toggle in &TOGGLES {
         let mut is_on = (toggle.is_on)(viewport);
         let text = format!("{}{}", toggle.name, key_text(&toggle.command));
@@ -106,9 +101,7 @@ pub fn menu(ui: &mut Ui, design: &Design, viewport: &Viewport, commands: &mut Ve
             ui.close();
         }
     }
-    ui.separator();
-    compare(ui, viewport, commands);
-    ui.separator();
+    ui.menu_button("Compare", |ui| compare(ui, viewport, commands));
     line(
         ui,
         "Cloth alone",
@@ -116,6 +109,7 @@ pub fn menu(ui: &mut Ui, design: &Design, viewport: &Viewport, commands: &mut Ve
         ViewCommand::Alone,
         commands,
     );
+    ui.separator();
     ui.menu_button("Backend", |ui| {
         backends(ui, viewport.choice(), commands);
     });
@@ -128,6 +122,17 @@ pub fn menu(ui: &mut Ui, design: &Design, viewport: &Viewport, commands: &mut Ve
             "This design leaves nothing to choose: it traces one scattering, or says itself after how many it estimates.",
         );
     });
+}
+
+/// Tells the program how large the screen is.
+pub fn size_of_the_screen(ui: &mut Ui, commands: &mut Vec<Command>) {
+    line(
+        ui,
+        "Size of the screen…",
+        "Tells how large the screen's pixels are, by a real ruler, so that 1:1 is true.",
+        ViewCommand::Calibrate,
+        commands,
+    );
 }
 
 /// The view's part of the toolbar.

@@ -35,7 +35,7 @@ impl App {
                 if self.viewport.snapshot().is_some() {
                     self.viewport.toggle_compare();
                 } else {
-                    let text = "Take a snapshot first: S in the viewport, or View, Take snapshot.";
+                    let text = "Take a snapshot first: S in the viewport, or View, Compare, Take snapshot.";
                     self.notices.news("Nothing to compare with", text);
                 }
             }
@@ -66,7 +66,7 @@ impl App {
     fn show_true_scale(&mut self, ctx: &Context) {
         self.viewport.show_true_scale(ctx);
         if !self.viewport.screen_is_measured() {
-            let text = "That is as large as the system says its pixels are. To be sure, hold a ruler to the screen: View, Size of the screen.";
+            let text = "That is as large as the system says its pixels are. To be sure, hold a ruler to the screen: Display, Size of the screen.";
             self.notices.news("The cloth at 1:1", text);
         }
     }

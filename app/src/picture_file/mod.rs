@@ -76,6 +76,8 @@ pub struct Standing {
     pub samples: u32,
     /// Its estimated error.
     pub error: Option<f64>,
+    /// Whether it waits for the device, which compiles what it draws with.
+    pub waits_for_device: bool,
 }
 
 /// What was made.
@@ -126,6 +128,8 @@ pub enum Failure {
 
 /// How long a backend works between looks at the clock.
 const SLICE: Duration = Duration::from_millis(100);
+/// How often a wait for the device looks whether it is over.
+const LOOK: Duration = Duration::from_millis(5);
 
 /// Renders the picture and writes it to `path`; tells `tell` where it stands about ten times a second.
 ///
@@ -249,11 +253,13 @@ impl Work<'_> {
             settings: self.order.settings,
         };
         let beginning = Instant::now();
-        let begun = self.backend.begin(&request);
-        let pipelines = self.backend.pipeline_time();
-        self.made.pipelines += pipelines;
-        self.made.upload += beginning.elapsed().saturating_sub(pipelines);
+        let begun = self.backend.begin_soon(&request);
+        self.made.upload += beginning.elapsed();
         begun?;
+        let waiting = Instant::now();
+        let ready = self.wait_for_device(crop, tell);
+        self.made.pipelines += waiting.elapsed();
+        ready?;
         if self.made.bands == 0 {
             // Time is that of rendering: a device's pipelines may take seconds.
             self.begun = Instant::now();
@@ -265,6 +271,33 @@ impl Work<'_> {
         });
         self.made.render += spent;
         rendered
+    }
+
+    /// Waits until the band begun can be drawn. A driver may compile for many seconds, in which nobody should have to wait
+    /// who wants the picture no longer.
+    fn wait_for_device(
+        &mut self,
+        crop: [u32; 4],
+        tell: &mut impl FnMut(&Standing),
+    ) -> Result<(), Failure> {
+        let [share, _] = self.bands.shares(crop);
+        let mut told = None::<Instant>;
+        while !self.backend.is_ready()? {
+            if self.cancel.load(Ordering::Relaxed) {
+                return Err(Failure::Cancelled);
+            }
+            if told.is_none_or(|told| told.elapsed() >= SLICE) {
+                tell(&Standing {
+                    share,
+                    band: [self.made.bands + 1, self.bands.count()],
+                    waits_for_device: true,
+                    ..Standing::default()
+                });
+                told = Some(Instant::now());
+            }
+            std::thread::sleep(LOOK);
+        }
+        Ok(())
     }
 
     /// Adds samples to a band until it is done. Its samples and its error.
@@ -306,6 +339,7 @@ impl Work<'_> {
                 band: [self.made.bands + 1, self.bands.count()],
                 samples: progress.samples,
                 error: progress.error_estimate,
+                waits_for_device: false,
             });
             let is_late = limit.is_some_and(|limit| elapsed >= limit);
             if progress.done || (is_late && progress.samples > 0) {

@@ -36,7 +36,6 @@ pub struct GpuBackend {
     shadows: Option<ShadowMemory>,
     display: Option<wgpu::Texture>,
     filter_f32: bool,
-    pipeline_time: Duration,
     /// The pipeline that draws no more than rays and sums, and what it is for.
     bare: Option<(SceneNeeds, wgpu::ComputePipeline)>,
 }
@@ -69,7 +68,6 @@ impl GpuBackend {
             shadows: None,
             display: None,
             filter_f32: false,
-            pipeline_time: Duration::ZERO,
             bare: None,
         })
     }
@@ -327,19 +325,14 @@ impl Backend for GpuBackend {
             return Ok(());
         };
         if work.pipeline.is_none() {
-            let (start, never) = (Instant::now(), AtomicBool::new(false));
-            let made = self
-                .pipelines
-                .trace
-                .wait(work.needs, &scene.group, None, &never);
-            self.pipeline_time = start.elapsed();
-            work.pipeline = made?;
+            let never = AtomicBool::new(false);
+            let trace = &self.pipelines.trace;
+            work.pipeline = trace.wait(work.needs, &scene.group, None, &never)?;
         }
         Ok(())
     }
 
     fn begin_soon(&mut self, request: &RenderRequest) -> Result<(), RenderError> {
-        self.pipeline_time = Duration::ZERO;
         if let Some(work) = &mut self.work
             && work.is_same_picture(request)
         {
@@ -467,10 +460,6 @@ impl Backend for GpuBackend {
             }
             _ => Ok(Counters::default()),
         }
-    }
-
-    fn pipeline_time(&self) -> Duration {
-        self.pipeline_time
     }
 
     fn bare_sample(&mut self) -> Result<Option<Duration>, RenderError> {

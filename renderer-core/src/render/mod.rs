@@ -296,11 +296,6 @@ pub trait Backend: Send {
     /// When the device fails.
     fn counters(&mut self) -> Result<Counters, RenderError>;
 
-    /// How much of the last [`Self::begin`] went into making pipelines.
-    fn pipeline_time(&self) -> Duration {
-        Duration::ZERO
-    }
-
     /// Time of a sample of the picture begun if nothing is traced and only rays are made and sums written: what the rest
     /// is held against. `None` where that means nothing. The picture has to be begun again.
     ///

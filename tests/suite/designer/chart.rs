@@ -141,6 +141,122 @@ fn painting_is_one_step_a_stroke_and_makes_the_chart_the_designs_own() {
     assert_eq!(undo_name(&harness), "open chart");
 }
 
+/// What a busy machine sees: a press, moves and a release within a single frame each, or several of them.
+fn in_frames(harness: &mut Harness<'_, App>, frames: Vec<Vec<Event>>) {
+    for events in frames {
+        harness.input_mut().events.extend(events);
+        harness.step();
+    }
+    harness.run_steps(3);
+}
+
+fn primary(pos: Pos2, pressed: bool) -> Event {
+    Event::PointerButton {
+        pos,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    }
+}
+
+#[test]
+fn a_stroke_within_few_frames_is_painted_where_the_pointer_went() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = with_editor(&two_yarns(), folder.path());
+    let at = |x: f32, y: f32| on_canvas(&harness, x, y);
+    // Down the left edge and along the lower one, with a corner that no frame ends at.
+    let (start, corner, end) = (at(0.0, 0.0), at(0.0, 3.0), at(2.0, 3.0));
+    let (pick, away) = (at(6.0, 1.0), at(7.0, 0.0));
+    let alt = |pressed| Event::PointerButton {
+        pos: pick,
+        button: PointerButton::Secondary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    in_frames(
+        &mut harness,
+        vec![
+            vec![Event::PointerMoved(pick), alt(true)],
+            vec![alt(false)],
+            vec![Event::PointerMoved(away), Event::PointerMoved(start)],
+            vec![primary(start, true), Event::PointerMoved(corner)],
+            vec![
+                Event::PointerMoved(end),
+                primary(end, false),
+                Event::PointerMoved(away),
+            ],
+        ],
+    );
+    let mut expected = two_yarns();
+    for row in 0..4 {
+        expected.fill_row(row, 0..1, CREAM);
+    }
+    expected.fill_row(3, 0..3, CREAM);
+    assert_eq!(pixels(&harness), expected);
+
+    // A rectangle begins where the button went down, not where the frame ended.
+    undo(&mut harness);
+    click(&mut harness, "Chart filled rectangle");
+    in_frames(
+        &mut harness,
+        vec![
+            vec![Event::PointerMoved(start)],
+            vec![
+                primary(start, true),
+                Event::PointerMoved(corner),
+                Event::PointerMoved(end),
+            ],
+            vec![primary(end, false), Event::PointerMoved(away)],
+        ],
+    );
+    let mut expected = two_yarns();
+    expected.fill_rectangle(0..3, 0..4, CREAM);
+    assert_eq!(pixels(&harness), expected);
+
+    // All of it within one frame.
+    undo(&mut harness);
+    let all = [
+        Event::PointerMoved(start),
+        primary(start, true),
+        Event::PointerMoved(corner),
+        Event::PointerMoved(end),
+        primary(end, false),
+        Event::PointerMoved(away),
+    ];
+    in_frames(&mut harness, vec![all.to_vec()]);
+    assert_eq!(pixels(&harness), expected);
+    // Nor does a press beside the canvas paint.
+    undo(&mut harness);
+    let beside = harness.get_by_label("Viewport").rect().center();
+    let press = vec![
+        Event::PointerMoved(beside),
+        primary(beside, true),
+        Event::PointerMoved(start),
+    ];
+    in_frames(&mut harness, vec![press, vec![primary(start, false)]]);
+    assert_eq!(pixels(&harness), two_yarns());
+}
+
+#[test]
+fn escape_takes_back_a_stroke_for_as_long_as_the_button_is_down() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = with_editor(&two_yarns(), folder.path());
+    click(&mut harness, "Paint bare ground");
+    let [from, to] = [[0.0, 1.0], [3.0, 1.0]].map(|[x, y]| on_canvas(&harness, x, y));
+    harness.drag_at(from);
+    harness.run_steps(2);
+    harness.hover_at(to);
+    harness.run_steps(2);
+    assert_ne!(pixels(&harness), two_yarns());
+    harness.key_press(Key::Escape);
+    harness.run_steps(2);
+    harness.hover_at(from);
+    harness.run_steps(2);
+    harness.drop_at(from);
+    harness.run_steps(2);
+    assert_eq!(pixels(&harness), two_yarns());
+}
+
 #[test]
 fn lines_rectangles_fills_and_bare_ground_are_painted() {
     let folder = tempfile::tempdir().unwrap();

@@ -26,6 +26,8 @@ struct Gray {
     wanted: u32,
     size: [u32; 2],
     refuses: Option<fn() -> RenderError>,
+    /// Compiles what it draws with, for ever; who holds the other end sees when it is dropped.
+    compiles: Option<Arc<()>>,
 }
 
 impl Backend for Gray {
@@ -58,6 +60,10 @@ impl Backend for Gray {
         })
     }
 
+    fn is_ready(&mut self) -> Result<bool, RenderError> {
+        Ok(self.compiles.is_none())
+    }
+
     fn picture(&mut self) -> Result<Picture, RenderError> {
         let [width, height] = self.size;
         Ok(Picture {
@@ -78,13 +84,24 @@ impl Backend for Gray {
 
 /// A designer whose exports are gray, and fail if `refuses` says so; the viewport is drawn by another choice.
 fn with_gray(preset: Option<&Path>, refuses: Option<fn() -> RenderError>) -> Harness<'static, App> {
+    with_gpu(preset, refuses, None)
+}
+
+/// The same, where what is exported by the GPU may also never begin because the GPU `compiles`.
+fn with_gpu(
+    preset: Option<&Path>,
+    refuses: Option<fn() -> RenderError>,
+    compiles: Option<Arc<()>>,
+) -> Harness<'static, App> {
     let preset = preset.map(Path::to_path_buf);
     let make: MakeBackend = Arc::new(move |choice| {
+        let is_gpu = choice == BackendChoice::Gpu;
         Ok(Box::new(Gray {
             samples: 0,
             wanted: 0,
             size: [1, 1],
-            refuses: refuses.filter(|_| choice == BackendChoice::Gpu),
+            refuses: refuses.filter(|_| is_gpu),
+            compiles: compiles.clone().filter(|_| is_gpu),
         }))
     });
     let mut harness = Harness::builder()
@@ -260,6 +277,30 @@ fn a_long_export_shows_its_progress_beside_editing_and_is_cancelled_at_once() {
         std::fs::read_dir(folder.path()).expect("a folder").count(),
         0
     );
+    assert!(harness.query_by_label("Not exported").is_none());
+}
+
+#[test]
+fn an_export_is_cancelled_while_the_gpu_still_compiles() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let backend = Arc::new(());
+    let mut harness = with_gpu(None, None, Some(Arc::clone(&backend)));
+    open(&mut harness);
+    choose(&mut harness, "Backend", "gpu");
+    export_to(&mut harness, &folder.path().join("never.png"));
+    wait(&mut harness, "what it waits for", |h| {
+        h.query_by_label_contains("Preparing the GPU").is_some()
+    });
+    // One here, one where backends are made.
+    assert_eq!(Arc::strong_count(&backend), 3, "it is at work");
+    click(&mut harness, "Cancel export");
+    harness.get_by_label("Choose file and export…");
+    // The thread itself ends, not only what is seen of it.
+    wait(&mut harness, "the end of the export", |_| {
+        Arc::strong_count(&backend) == 2
+    });
+    let mut left = std::fs::read_dir(folder.path()).expect("a folder");
+    assert!(left.next().is_none());
     assert!(harness.query_by_label("Not exported").is_none());
 }
 

@@ -327,7 +327,7 @@ fn settings_are_remembered_and_broken_ones_set_aside() {
     key(&mut harness, Modifiers::COMMAND, Key::Plus);
     assert_eq!(harness.ctx.zoom_factor(), 1.25);
     open_panel(&mut harness, "Light");
-    click(&mut harness, "View");
+    click(&mut harness, "Display");
     click(&mut harness, "Theme");
     harness
         .get_by_role_and_label(Role::RadioButton, "Light")
@@ -346,7 +346,7 @@ fn settings_are_remembered_and_broken_ones_set_aside() {
     assert_eq!(harness.ctx.zoom_factor(), 1.25);
     drop(harness);
     let theme = |harness: &mut Harness<'_, App>, name: &str| {
-        click(harness, "View");
+        click(harness, "Display");
         click(harness, "Theme");
         let radio = harness.get_by_role_and_label(Role::RadioButton, name);
         radio.accesskit_node().toggled()

@@ -155,6 +155,38 @@ fn nothing_is_cut_off_or_overlaps_in_any_window() {
     assert!(all.is_empty(), "{}", all.join("\n"));
 }
 
+/// 1280 × 720 pixels at 200 %, points.
+const SMALLEST: Vec2 = vec2(640.0, 360.0);
+
+#[test]
+fn menus_are_no_higher_than_the_smallest_window() {
+    let look = Look {
+        theme: Theme::Light,
+        scale: 2.0,
+        size: SMALLEST,
+    };
+    for menu in ["File", "Edit", "View", "Display", "Help"] {
+        let (mut harness, _home) = states::start(look);
+        let places = |harness: &Harness<'_, App>| -> BTreeSet<String> {
+            let controls = harness.root().children_recursive();
+            let controls = controls.filter(states::takes_focus);
+            controls.map(|node| place_of(&node, false)).collect()
+        };
+        let before = places(&harness);
+        click(&mut harness, menu);
+        let window = Rect::from_min_size(Pos2::ZERO, SMALLEST);
+        let mut lines = 0;
+        for node in harness.root().children_recursive() {
+            if states::takes_focus(&node) && !before.contains(&place_of(&node, false)) {
+                lines += 1;
+                let place = place_of(&node, false);
+                assert!(window.contains_rect(node.rect()), "{menu}: {place}");
+            }
+        }
+        assert!(lines > 0, "{menu} did not open");
+    }
+}
+
 #[test]
 fn nothing_is_cut_off_or_overlaps_in_any_panel() {
     let mut all = Vec::new();

@@ -127,6 +127,7 @@ fn windows_look_as_they_were_found_good() {
     let mut results = SnapshotResults::new();
     let in_light = [
         "menu View",
+        "menu Display",
         "message",
         "ready patterns",
         "question",

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 use renderer_core::render::MAX_SIDE;
 use renderer_core::scene::{Cancel, CompileError, Compiler};
-use towel_designer::designer::MakeBackend;
+use towel_designer::designer::{Activity, MakeBackend};
 
 use super::*;
 
@@ -35,6 +35,8 @@ struct Script {
     has_no_adapter: bool,
     /// GPUs are not ready to draw, and the processor gets no further than a first sample.
     compiles: AtomicBool,
+    /// GPUs are not ready to draw, and the processor is as fast as ever.
+    is_late: AtomicBool,
     /// Slices that GPUs and the processor drew.
     drew: [AtomicU32; 2],
     /// Pictures begun: their sizes, and how many loops their scenes have.
@@ -126,7 +128,9 @@ impl Backend for Scripted {
     }
 
     fn is_ready(&mut self) -> Result<bool, RenderError> {
-        Ok(!(self.on_gpu && self.script.compiles.load(Ordering::SeqCst)))
+        let [compiles, is_late] =
+            [&self.script.compiles, &self.script.is_late].map(|flag| flag.load(Ordering::SeqCst));
+        Ok(!(self.on_gpu && (compiles || is_late)))
     }
 
     fn picture(&mut self) -> Result<Picture, RenderError> {
@@ -230,6 +234,11 @@ fn the_processor_draws_while_the_gpu_compiles() {
     wait(&mut harness, "the processor's picture", is_seen);
     let drew = || [0, 1].map(|which| script.drew[which].load(Ordering::SeqCst));
     assert_eq!((script.made(), drew()[0]), ([1, 1], 0));
+    let at_work = |harness: &Harness<'_, App>| {
+        let shown = harness.state().viewport().shown();
+        (shown.device.clone().map(|(kind, _)| kind), shown.stands_in)
+    };
+    assert_eq!(at_work(&harness), (Some(BackendKind::Cpu), true));
     // An edit does not wait either.
     type_number(&mut harness, "Warps", "60");
     let version = harness.state().viewport().shown().version;
@@ -241,11 +250,32 @@ fn the_processor_draws_while_the_gpu_compiles() {
     wait(&mut harness, "the GPU's picture", has_whole_picture);
     // The picture was there all the time: nothing is told of the change.
     assert!(drew()[0] > 0 && script.made() == [1, 1]);
+    assert_eq!(at_work(&harness), (Some(BackendKind::Gpu), false));
     let by_processor = drew()[1];
     type_number(&mut harness, "Warps", "50");
     wait(&mut harness, "the next picture", has_whole_picture);
     harness.run_steps(2);
     assert_eq!(drew()[1], by_processor);
+}
+
+#[test]
+fn a_picture_that_the_processor_finished_first_is_not_called_the_gpus() {
+    let script = Arc::new(Script::default());
+    script.is_late.store(true, Ordering::SeqCst);
+    let mut harness = scripted(&script);
+    wait(&mut harness, "the processor's picture", has_whole_picture);
+    let shown = harness.state().viewport().shown();
+    assert_eq!(script.drew[0].load(Ordering::SeqCst), 0);
+    let kind = shown.device.as_ref().map(|(kind, _)| *kind);
+    assert_eq!((kind, shown.stands_in), (Some(BackendKind::Cpu), true));
+    // Once the GPU is ready, the next picture is its own.
+    script.is_late.store(false, Ordering::SeqCst);
+    type_number(&mut harness, "Warps", "60");
+    wait(&mut harness, "the GPU's picture", |h| {
+        let shown = h.state().viewport().shown();
+        let kind = shown.device.as_ref().map(|(kind, _)| *kind);
+        kind == Some(BackendKind::Gpu) && !shown.stands_in && has_whole_picture(h)
+    });
 }
 
 #[test]
@@ -412,25 +442,39 @@ fn an_edit_gives_up_a_scene_in_the_making() {
     let script = Arc::new(Script::default());
     let mut harness = scripted(&script);
     wait(&mut harness, "the picture", has_whole_picture);
-    // Four million cells take a while, even on many cores.
-    type_number(&mut harness, "Warps", "2000");
-    type_number(&mut harness, "Wefts", "2000");
-    std::thread::sleep(Duration::from_millis(600));
-    harness.step();
+    // A scene that takes longer than the time within which it is finished anyway: four million cells do on most machines,
+    // more of them on any.
+    let side = [2000, 4000, 8000]
+        .into_iter()
+        .find(|side| is_caught_in_the_making(&mut harness, *side));
+    let side = side.expect("this machine makes 64 million loops within a second");
+    let begun_before = script.begun.lock().unwrap().len();
     let version = harness.state().viewport().shown().version;
-    let start = Instant::now();
     type_number(&mut harness, "Wefts", "1");
     wait(&mut harness, "the small cloth", |h| {
         h.state().viewport().shown().version > version && has_whole_picture(h)
     });
     let loops = harness.state().viewport().shown().counts.planted;
-    assert!(loops <= 4000, "{loops}");
-    // Rows take milliseconds; the rest is a machine with other things to do.
-    assert!(
-        start.elapsed() < Duration::from_secs(3),
-        "{:?}",
-        start.elapsed()
-    );
+    assert!(loops <= u64::from(2 * side), "{loops}");
+    // The scene given up was never drawn, as it would have been if the edit had waited for it.
+    let begun = script.begun.lock().unwrap()[begun_before..].to_vec();
+    let all = u64::from(side) * u64::from(side);
+    assert!(begun.iter().all(|(_, loops)| *loops < all / 2), "{begun:?}");
+}
+
+/// Asks for a cloth of so many yarns both ways. True if its scene is still being made when it will no more be finished
+/// for the sake of being finished.
+fn is_caught_in_the_making(harness: &mut Harness<'_, App>, side: u32) -> bool {
+    type_number(harness, "Warps", &side.to_string());
+    type_number(harness, "Wefts", &side.to_string());
+    let is_compiling =
+        |h: &Harness<'_, App>| h.state().viewport().shown().activity == Activity::Compiling;
+    wait(harness, "a scene in the making", is_compiling);
+    // The scene of the first number takes 400 ms at most before it is given up for that of both, which is finished anyway
+    // if that takes no longer either.
+    std::thread::sleep(Duration::from_secs(1));
+    harness.step();
+    is_compiling(harness)
 }
 
 #[test]

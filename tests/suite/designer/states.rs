@@ -31,7 +31,7 @@ pub struct State {
 pub const TALL: f32 = 5200.0;
 
 /// What a window of any size can show.
-pub const STATES: [State; 17] = [
+pub const STATES: [State; 18] = [
     State {
         name: "started",
         reach: |_| {},
@@ -50,6 +50,10 @@ pub const STATES: [State; 17] = [
     State {
         name: "menu View",
         reach: |h| click(h, "View"),
+    },
+    State {
+        name: "menu Display",
+        reach: |h| click(h, "Display"),
     },
     State {
         name: "saved views",
@@ -127,7 +131,7 @@ pub const STATES: [State; 17] = [
     State {
         name: "size of the screen",
         reach: |h| {
-            click(h, "View");
+            click(h, "Display");
             click(h, "Size of the screen…");
             h.run_steps(8);
         },
@@ -235,7 +239,7 @@ pub fn start(look: Look) -> (Harness<'static, App>, tempfile::TempDir) {
 
 /// Shows the presets, or hides them.
 pub fn show_presets(harness: &mut Harness<'static, App>) {
-    click(harness, "View");
+    click(harness, "Display");
     let check = harness.get_by_role_and_label(Role::CheckBox, "Presets");
     check.click();
     harness.run_steps(6);

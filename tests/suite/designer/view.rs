@@ -4,7 +4,7 @@ use egui::{Event, MouseWheelSource, MouseWheelUnit, TouchPhase};
 use glam::{DVec2, DVec3};
 use renderer_core::design::CameraDesign;
 use renderer_core::render::Camera;
-use towel_designer::designer::Folders;
+use towel_designer::designer::{Folders, camera_moves};
 
 use super::*;
 
@@ -49,6 +49,53 @@ fn scroll(harness: &mut Harness<'_, App>, delta: Vec2, fingers: bool, modifiers:
     harness.run_steps(20);
     harness.event(Event::ModifiersChanged(Modifiers::NONE));
     harness.run_steps(1);
+}
+
+#[test]
+fn what_was_seen_whole_stays_whole_when_the_chart_editor_opens() {
+    let mut harness = designer(None);
+    harness.get_by_label("Toolbar: Front").click();
+    wait(&mut harness, "the picture", |h| {
+        h.state().viewport().shown().image.is_some()
+    });
+    harness.run_steps(3);
+    let seen_whole = |harness: &Harness<'_, App>| {
+        let size = harness.state().viewport().size();
+        camera_moves::shows_all(&camera(harness), design(harness), size)
+    };
+    let first = camera(&harness);
+    assert!(seen_whole(&harness));
+    let size = harness.state().viewport().size();
+    let open_and_close = |harness: &mut Harness<'_, App>| {
+        click(harness, "Edit chart");
+        harness.run_steps(20);
+    };
+    open_and_close(&mut harness);
+    let narrow = harness.state().viewport().size();
+    assert!(narrow[0] < size[0] / 2 + 100, "{narrow:?} of {size:?}");
+    assert!(
+        !camera_moves::shows_all(&first, design(&harness), narrow),
+        "there is room: nothing is tested"
+    );
+    assert!(seen_whole(&harness) && camera(&harness).distance > first.distance);
+    open_and_close(&mut harness);
+    assert_eq!(harness.state().viewport().size(), size);
+    assert_eq!(camera(&harness), first, "it comes back");
+
+    // What was not seen whole stays as near as it was, and so does what was turned meanwhile.
+    click(&mut harness, "Toolbar: Macro");
+    let near = camera(&harness);
+    open_and_close(&mut harness);
+    assert_eq!(camera(&harness), near);
+    open_and_close(&mut harness);
+    click(&mut harness, "Toolbar: Front");
+    open_and_close(&mut harness);
+    focus_viewport(&mut harness);
+    harness.key_press(Key::ArrowLeft);
+    harness.run_steps(3);
+    let turned = camera(&harness);
+    open_and_close(&mut harness);
+    assert_eq!(camera(&harness), turned);
 }
 
 #[test]
@@ -164,7 +211,7 @@ fn saved_views_are_renamed_set_ordered_and_removed() {
     let mut harness = designer_of_size(None, vec2(1280.0, 2400.0));
     open_panel(&mut harness, "View & quality");
     click(&mut harness, "Toolbar: Macro");
-    click(&mut harness, "Add camera from view");
+    click(&mut harness, "Save this view");
     let macro_view = camera(&harness);
     assert_eq!(views(&harness), ["default", "view 2"]);
 
@@ -188,13 +235,13 @@ fn saved_views_are_renamed_set_ordered_and_removed() {
         "a name moves nothing"
     );
 
-    click(&mut harness, "Move camera 2 up");
+    click(&mut harness, "Move view 2 up");
     assert_eq!(views(&harness), ["loops", "default"]);
     undo(&mut harness, "order of views");
     assert_eq!(views(&harness), ["default", "loops"]);
 
     click(&mut harness, "Toolbar: Back");
-    click(&mut harness, "Set camera 2 to the view");
+    click(&mut harness, "Set view 2 to what is seen");
     assert_eq!(design(&harness).view.cameras[1].elevation, -90.0);
     assert_eq!(views(&harness)[1], "loops");
     undo(&mut harness, "set view “loops”");
@@ -203,9 +250,9 @@ fn saved_views_are_renamed_set_ordered_and_removed() {
         macro_view.distance
     );
 
-    click(&mut harness, "Look through camera 2");
+    click(&mut harness, "Show view 2");
     assert_eq!(camera(&harness).distance, macro_view.distance);
-    click(&mut harness, "Remove camera 1");
+    click(&mut harness, "Remove view 1");
     assert_eq!(views(&harness), ["loops"]);
     undo(&mut harness, "remove view “default”");
     undo(&mut harness, "rename view “loops”");
@@ -242,7 +289,7 @@ fn true_scale_is_a_millimetre_for_a_millimetre_and_stays_so() {
     assert!((height_mm(&harness) - pixels(&harness) / 96.0 * 25.4).abs() < 1e-6);
 
     // Measured: half a pixel less for every pixel, by typing and by the arrow keys.
-    click(&mut harness, "View");
+    click(&mut harness, "Display");
     click(&mut harness, "Size of the screen…");
     type_number(&mut harness, "Dots per inch", "120");
     assert!((height_mm(&harness) - pixels(&harness) / 120.0 * 25.4).abs() < 1e-6);

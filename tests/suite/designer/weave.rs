@@ -256,6 +256,50 @@ fn a_shape_that_leaves_the_grid_is_painted_as_far_as_it_is_inside() {
 }
 
 #[test]
+fn a_stroke_within_two_frames_is_painted_where_the_pointer_went() {
+    let mut harness = with_zeros(6, 6);
+    let [start, corner, end, away] =
+        [[1, 1], [1, 4], [4, 4], [5, 0]].map(|[col, row]| cell(&harness, col, row));
+    let button = |pos, pressed| Event::PointerButton {
+        pos,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: PLAIN,
+    };
+    for events in [
+        vec![Event::PointerMoved(away), Event::PointerMoved(start)],
+        vec![button(start, true), Event::PointerMoved(corner)],
+        vec![
+            Event::PointerMoved(end),
+            button(end, false),
+            Event::PointerMoved(away),
+        ],
+    ] {
+        harness.input_mut().events.extend(events);
+        harness.step();
+    }
+    harness.run_steps(3);
+    let way = shapes::line([1, 1], [1, 4]).chain(shapes::line([1, 4], [4, 4]));
+    let way: HashSet<Cell> = way.collect();
+    assert_eq!(painted(&harness), way);
+
+    // All of it within one frame.
+    undo(&mut harness);
+    assert_eq!(painted(&harness), HashSet::new());
+    harness.input_mut().events.extend([
+        Event::PointerMoved(start),
+        button(start, true),
+        Event::PointerMoved(corner),
+        Event::PointerMoved(end),
+        button(end, false),
+        Event::PointerMoved(away),
+    ]);
+    harness.step();
+    harness.run_steps(3);
+    assert_eq!(painted(&harness), way);
+}
+
+#[test]
 fn shift_constrains_while_drawing_out() {
     let mut harness = with_zeros(9, 9);
     click(&mut harness, "Line");

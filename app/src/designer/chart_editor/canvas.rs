@@ -11,6 +11,7 @@ use super::pyramid::{Placement, Pyramid};
 use super::work::put;
 use super::{ChartEditor, Tool, bars};
 use crate::designer::style;
+use crate::designer::widgets::PointerWay;
 use crate::designer::widgets::shapes::{connected, squared, straightened};
 
 /// Nearest and farthest view, points for a pixel.
@@ -157,37 +158,39 @@ fn pointer(
     chart: &mut Chart,
     at: impl Fn(Pos2) -> [i32; 2],
 ) {
-    let Some(place) = response.interact_pointer_pos().map(at) else {
-        end(editor, false);
+    if let (true, Some(now)) = (
+        response.clicked_by(PointerButton::Secondary),
+        response.interact_pointer_pos(),
+    ) {
+        pick(editor, chart, at(now));
+        return;
+    }
+    let is_under_way = (editor.canvas.gesture.as_ref()).is_some_and(|gesture| !gesture.by_keys);
+    let way = PointerWay::new(ui, response, is_under_way);
+    let ends = way.ends;
+    let places: Vec<[i32; 2]> = way.places.into_iter().map(at).collect();
+    let (Some(&first), Some(&last)) = (places.first(), places.last()) else {
+        if ends {
+            end(editor, false);
+        }
         return;
     };
-    if response.clicked_by(PointerButton::Secondary) {
-        pick(editor, chart, place);
-        return;
-    }
-    let is_down = response.is_pointer_button_down_on() && ui.input(|i| i.pointer.primary_down());
-    let is_click = response.clicked_by(PointerButton::Primary);
-    if !is_down && !is_click {
-        end(editor, false);
-        return;
-    }
-    if ui.input(|i| i.modifiers.alt) && editor.canvas.gesture.is_none() {
-        pick(editor, chart, place);
-        return;
-    }
-    if editor
-        .canvas
-        .gesture
-        .as_ref()
-        .is_none_or(|gesture| gesture.by_keys)
-    {
+    if !is_under_way {
         response.request_focus();
-        editor.canvas.cursor = place;
-        begin(editor, chart, place, false);
+        if ui.input(|i| i.modifiers.alt) {
+            pick(editor, chart, first);
+            return;
+        }
+        editor.canvas.cursor = first;
+        begin(editor, chart, first, false);
     }
     let shift = ui.input(|i| i.modifiers.shift);
-    go_on(editor, chart, place, shift);
-    if !is_down {
+    // Of a shape only its ends count, and it may cover a large chart.
+    let is_stroke = editor.tool == Tool::Pencil;
+    for place in if is_stroke { places } else { vec![last] } {
+        go_on(editor, chart, place, shift);
+    }
+    if ends {
         end(editor, false);
     }
 }

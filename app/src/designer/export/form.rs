@@ -160,7 +160,7 @@ impl Form {
             count => format!(", made in {count} bands"),
         };
         ui.weak(format!(
-            "{pixels:.1} megapixels, about {memory:.0} MB of memory{pieces}. The picture is made from the viewport's camera."
+            "{pixels:.1} megapixels, about {memory:.0} MB of memory{pieces}. The picture shows the cloth as the viewport does."
         ));
         ui.add_space(6.0);
         let fault = self.in_the_way(design);

@@ -9,7 +9,7 @@ use egui::Context;
 use renderer_core::design::{CameraDesign, Design};
 use renderer_core::image::{Background, Display};
 use renderer_core::render::{Camera, RenderError, Settings};
-use renderer_core::scene;
+use renderer_core::scene::{Cancel, CompileError, Compiler};
 
 use crate::backend::BackendChoice;
 use crate::designer::renderer::MakeBackend;
@@ -57,11 +57,15 @@ impl Job {
         let (path, samples) = (order.path.clone(), order.samples);
         let (there, cancel_there, repaint) =
             (Arc::clone(&progress), Arc::clone(&cancel), ctx.clone());
-        let begun = Instant::now();
+        // What comes before the first sample tells nothing of how fast samples come.
+        let mut begun = None::<Instant>;
         let tell = move |standing: &Standing| {
             let mut now = there.lock().unwrap_or_else(PoisonError::into_inner);
             now.0 = *standing;
-            now.1.note(begun.elapsed(), standing.share);
+            if !standing.waits_for_device {
+                let begun = begun.get_or_insert_with(Instant::now);
+                now.1.note(begun.elapsed(), standing.share);
+            }
             repaint.request_repaint();
         };
         let task = Task::start(ctx, move || order.carry_out(&make, &cancel_there, tell));
@@ -98,8 +102,15 @@ impl Order {
         let text = |error: &dyn std::fmt::Display| error.to_string();
         // Now rather than after minutes of rendering.
         files::check_writable(&self.path).map_err(|error| text(&error))?;
-        let scene = Arc::new(scene::compile(&self.design).map_err(|error| text(&error))?);
-        if cancel.load(Ordering::Relaxed) {
+        let is_given_up = || cancel.load(Ordering::Relaxed);
+        let mut compiler = Compiler::default();
+        let compiled = compiler.compile_unless_cancelled(&self.design, &Cancel::when(&is_given_up));
+        let scene = match compiled {
+            Ok(scene) => scene,
+            Err(CompileError::Cancelled) => return Ok(Outcome::Cancelled),
+            Err(error) => return Err(text(&error)),
+        };
+        if is_given_up() {
             return Ok(Outcome::Cancelled);
         }
         let (chunks, warnings) = match self.format {

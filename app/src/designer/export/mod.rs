@@ -7,7 +7,7 @@ mod job;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use egui::{Align2, Context, ProgressBar, Ui, Window};
+use egui::{Align2, Context, ProgressBar, ScrollArea, Ui, Window};
 use renderer_core::design::{CameraDesign, Design};
 use renderer_core::image::{Depth, ExrLayer};
 
@@ -18,6 +18,9 @@ use crate::files::Carried;
 use crate::picture_file::Format;
 use form::{FileType, Form};
 use job::{Job, Order, Outcome};
+
+/// What the window's title and frame take of the height, points.
+const AROUND_FORM: f32 = 76.0;
 
 /// The export window.
 pub struct Export {
@@ -102,16 +105,20 @@ impl Export {
         let mut event = None;
         let mut is_open = self.is_open;
         let mut is_cancelled = false;
+        let room = ctx.content_rect();
         Window::new("Export picture")
             .open(&mut is_open)
             .collapsible(false)
             .resizable(false)
             .default_width(380.0)
             .pivot(Align2::CENTER_CENTER)
-            .default_pos(ctx.content_rect().center())
+            .default_pos(room.center())
+            .default_height(room.height() - AROUND_FORM)
             .show(ctx, |ui| match &self.job {
                 None => {
-                    if self.form.show(ui, design) {
+                    // In a small window the form is higher than that.
+                    let form = ScrollArea::vertical().max_height(room.height() - AROUND_FORM);
+                    if form.show(ui, |ui| self.form.show(ui, design)).inner {
                         event = Some(Event::AskForFile(self.form.file_type.ending()));
                     }
                 }
@@ -165,6 +172,8 @@ fn show_job(ui: &mut Ui, job: &Job) -> bool {
     let mut parts = Vec::new();
     if band == 0 {
         parts.push("Planting loops…".to_owned());
+    } else if standing.waits_for_device {
+        parts.push("Preparing the GPU…".to_owned());
     } else {
         if bands > 1 {
             parts.push(format!("band {band} of {bands}"));

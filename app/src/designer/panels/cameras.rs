@@ -8,7 +8,9 @@ use crate::designer::command::Command;
 use crate::designer::style::ROW_HEIGHT;
 use crate::designer::view_work::free_name;
 use crate::designer::viewport::command::ViewCommand;
-use crate::designer::widgets::{Icon, IconButton, number, number_value, optional_number, row};
+use crate::designer::widgets::{
+    Icon, IconButton, number, number_value, optional_number, row, subheading,
+};
 
 /// Height of an orthographic picture; no part of the camera's own table because a camera need not have it.
 const ORTHOGRAPHIC_HEIGHT: Field = Field {
@@ -44,15 +46,16 @@ enum Action {
 
 /// Shows all saved views.
 pub fn show(ui: &mut Ui, view: &mut View, around: &mut Surroundings<'_>) {
+    subheading(ui, "Saved views");
     let count = view.cameras.len();
     let mut asked = None;
     for (index, camera) in view.cameras.iter_mut().enumerate() {
         ui.push_id(index, |ui| {
-            let title = format!("Camera {}", index + 1);
+            let title = format!("View {}", index + 1);
             ui.add_space(5.0);
             Sides::new().show(
                 ui,
-                |ui| ui.label(RichText::new(title).small().strong()),
+                |ui| ui.label(RichText::new(title).small()),
                 |ui| {
                     if let Some(action) = actions(ui, index, count) {
                         asked = Some((index, action));
@@ -75,8 +78,8 @@ pub fn show(ui: &mut Ui, view: &mut View, around: &mut Surroundings<'_>) {
         carry_out(view, index, action, around);
     }
     ui.add_space(2.0);
-    let add = ui.button("Add camera from view");
-    let add = add.on_hover_text("Saves what the viewport shows as a new camera.");
+    let add = ui.button("Save this view");
+    let add = add.on_hover_text("Saves the view you see now in the design.");
     if add.clicked() {
         view.cameras.push(CameraDesign {
             name: free_name(&view.cameras, ""),
@@ -93,35 +96,35 @@ fn actions(ui: &mut Ui, index: usize, count: usize) -> Option<Action> {
             Action::Remove,
             Icon::Minus,
             count > 1,
-            format!("Remove camera {number}"),
+            format!("Remove view {number}"),
             "Removes this view from the design, which has at least one.",
         ),
         (
             Action::Down,
             Icon::ShiftDown,
             number < count,
-            format!("Move camera {number} down"),
+            format!("Move view {number} down"),
             "Later in the list of saved views and their keys Alt+1 to Alt+9.",
         ),
         (
             Action::Up,
             Icon::ShiftUp,
             index > 0,
-            format!("Move camera {number} up"),
+            format!("Move view {number} up"),
             "Earlier in the list of saved views; a file opens with the first.",
         ),
         (
             Action::Set,
             Icon::Pencil,
             true,
-            format!("Set camera {number} to the view"),
+            format!("Set view {number} to what is seen"),
             "Makes this view what the viewport shows now.",
         ),
         (
             Action::Look,
             Icon::Eye,
             true,
-            format!("Look through camera {number}"),
+            format!("Show view {number}"),
             "Shows the cloth as this view sees it.",
         ),
     ];

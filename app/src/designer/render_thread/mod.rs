@@ -77,8 +77,10 @@ pub struct Shown {
     pub activity: Activity,
     /// Time spent rendering since the last wish that changed the picture.
     pub seconds: f64,
-    /// The backend at work and its adapter or processor.
+    /// The backend that draws, and its adapter or processor.
     pub device: Option<(BackendKind, String)>,
+    /// Whether that stands in for a GPU that is not ready for the picture yet.
+    pub stands_in: bool,
     /// Bytes on the device.
     pub device_bytes: u64,
     /// Loops of the scene.

@@ -342,11 +342,8 @@ impl<'a> Worker<'a> {
         self.job = None;
         self.cost = None;
         let mut renderer = (self.make)(choice)?;
-        let backend = renderer.backend();
-        let largest_side = backend.largest_side();
-        let device = Some((backend.kind(), backend.device_name()));
+        let largest_side = renderer.backend().largest_side();
         self.renderer = Some((choice, renderer));
-        self.publish(|shown| shown.device = device);
         Ok(largest_side)
     }
 
@@ -369,11 +366,16 @@ impl<'a> Worker<'a> {
             let drawing = self.stand_in.insert(stand_in).backend();
             workers::with_all(|| drawing.begin(&request))?;
         }
-        let bytes = backend.device_bytes();
+        let stands_in = self.stand_in.is_some();
+        let drawing = self.stand_in.as_mut().unwrap_or(renderer).backend();
+        let device = (drawing.kind(), drawing.device_name());
+        let bytes = drawing.device_bytes();
         self.publish(|shown| {
             shown.activity = Activity::Rendering;
             shown.is_first |= is_new;
             shown.is_unseen |= is_new;
+            shown.device = Some(device);
+            shown.stands_in = stands_in;
             shown.device_bytes = bytes;
             shown.error = None;
         });
@@ -426,7 +428,7 @@ impl<'a> Worker<'a> {
         let developer = &mut self.developer;
         let drawing = self.stand_in.as_mut().unwrap_or(renderer);
         let image = workers::with_all(|| developer.shoot(drawing, display, softness))?;
-        let bytes = renderer.backend().device_bytes();
+        let bytes = drawing.backend().device_bytes();
         self.display = Some(display);
         job.published(start.elapsed());
         let (seconds, is_reduced) = (job.seconds, job.is_reduced());

@@ -64,6 +64,8 @@ pub struct Viewport {
     readout: Option<Readout>,
     /// Height of the picture at true scale, mm, as long as the camera keeps to it.
     true_height_mm: Option<f64>,
+    /// The camera before it stood back because the area got smaller, and after.
+    stood_back: Option<[CameraDesign; 2]>,
     /// Whether the last scroll came from fingers on a trackpad.
     fingers_scroll: bool,
 }
@@ -104,6 +106,7 @@ impl Viewport {
             has_loupe: false,
             readout: None,
             true_height_mm: None,
+            stood_back: None,
             fingers_scroll: false,
         }
     }
@@ -269,13 +272,14 @@ impl Viewport {
         let pixels = rect.size() * ui.pixels_per_point();
         let limit = ui.input(|i| i.max_texture_side);
         let limit = MAX_SIDE.min(u32::try_from(limit).unwrap_or(MAX_SIDE));
-        self.size = fitted([pixels.x, pixels.y], limit);
+        let before = std::mem::replace(&mut self.size, fitted([pixels.x, pixels.y], limit));
         self.height_px = f64::from(pixels.y);
         let area = Area {
             rect,
             size: self.size,
         };
         self.keep_true_scale(ui.ctx());
+        self.keep_all_in_view(design, before);
         self.compare.interact(ui, rect);
         self.gestures(ui, &response, &area, design, commands);
         if is_valid {
@@ -311,6 +315,28 @@ impl Viewport {
             self.show_true_scale(ctx);
         } else {
             self.true_height_mm = None;
+        }
+    }
+
+    /// Stands back where the whole cloth was seen and would be no more because the area has changed from the size `before`,
+    /// say when the chart editor opens beside it; and comes back when there is room again, unless the camera was set
+    /// otherwise meanwhile.
+    fn keep_all_in_view(&mut self, design: &Design, before: [u32; 2]) {
+        // Nobody has seen anything yet; at true scale size matters more.
+        if self.size == before || self.texture.is_none() || self.true_height_mm.is_some() {
+            return;
+        }
+        let stood_back = self.stood_back.take();
+        let nearer = stood_back.filter(|[_, after]| self.camera == *after);
+        let all_was_seen =
+            nearer.is_some() || camera_moves::shows_all(&self.camera, design, before);
+        if let Some([nearer, _]) = nearer {
+            self.camera = nearer;
+        }
+        if all_was_seen && !camera_moves::shows_all(&self.camera, design, self.size) {
+            let nearer = self.camera.clone();
+            camera_moves::fit(&mut self.camera, design, self.size);
+            self.stood_back = Some([nearer, self.camera.clone()]);
         }
     }
 
@@ -402,10 +428,11 @@ impl Viewport {
     fn paint(&self, ui: &Ui, response: &Response, area: &Area) {
         let rect = area.rect;
         let painter = ui.painter_at(rect);
-        painter.rect_filled(rect, 0.0, style::viewport_ground(ui.visuals()));
         if let Some(texture) = &self.texture {
             let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
             painter.image(texture.id(), rect, whole, Color32::WHITE);
+        } else {
+            painter.rect_filled(rect, 0.0, style::viewport_ground(ui.visuals()));
         }
         self.compare.paint(ui, &painter, rect);
         overlay::note(

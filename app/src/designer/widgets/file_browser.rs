@@ -46,6 +46,11 @@ pub enum Browsed {
     Cancelled,
 }
 
+/// Height of the list of files, points, where the window has room for it;
+const LIST_HEIGHT: f32 = 220.0;
+/// and what the dialog has above and below it.
+const AROUND_LIST: f32 = 190.0;
+
 impl FileBrowser {
     /// A dialog that starts in `folder` with `name` in its path field.
     pub fn new(kind: FileKind, folder: &Path, name: &str) -> Self {
@@ -64,6 +69,7 @@ impl FileBrowser {
     /// Shows the dialog; `Some` when the user is done with it.
     pub fn show(&mut self, ctx: &Context) -> Option<Browsed> {
         let mut result = None;
+        let list_height = (ctx.content_rect().height() - AROUND_LIST).clamp(60.0, LIST_HEIGHT);
         let modal = Modal::new(Id::unique("file browser"))
             .frame(style::dialog(ctx))
             .show(ctx, |ui| {
@@ -71,7 +77,7 @@ impl FileBrowser {
                 ui.heading(self.kind.title);
                 ui.add_space(4.0);
                 self.folder_row(ui);
-                self.list(ui, &mut result);
+                self.list(ui, list_height, &mut result);
                 self.path_row(ui, &mut result);
                 self.buttons(ui, &mut result);
             });
@@ -97,16 +103,16 @@ impl FileBrowser {
         }
     }
 
-    fn list(&mut self, ui: &mut Ui, result: &mut Option<Browsed>) {
+    fn list(&mut self, ui: &mut Ui, height: f32, result: &mut Option<Browsed>) {
         let mut go_to = None;
         egui::Frame::new()
             .fill(ui.visuals().extreme_bg_color)
             .corner_radius(4)
             .inner_margin(4)
             .show(ui, |ui| {
-                ui.set_min_size(vec2(ui.available_width(), 220.0));
+                ui.set_min_size(vec2(ui.available_width(), height));
                 ScrollArea::vertical()
-                    .max_height(220.0)
+                    .max_height(height)
                     .auto_shrink(false)
                     .show(ui, |ui| match &self.entries {
                         Err(error) => {

@@ -128,6 +128,8 @@ pub struct GridEditor {
     /// The cell under the pointer.
     hovered: Option<Cell>,
     gesture: Gesture,
+    /// Whether what is under way picks values with the secondary button.
+    picks_by_secondary: bool,
     /// Side of a cell, points; `None` fits the grid into its room.
     zoom: Option<f32>,
     shown_side: f32,

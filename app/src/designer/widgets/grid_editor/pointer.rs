@@ -1,9 +1,10 @@
 //! Painting by pointer.
 
-use egui::{Key, PointerButton, Response, Ui};
+use egui::{Key, Response, Ui};
 
 use super::canvas::Canvas;
 use super::{Gesture, GridAccess, GridEditor, GridTool, fill, get, put, put_all};
+use crate::designer::widgets::PointerWay;
 use crate::designer::widgets::shapes::{self, Cell};
 
 /// Does what the pointer asks for. Whether a value changed.
@@ -20,37 +21,43 @@ pub(super) fn work(
     if is_by_pointer && ui.input(|i| i.key_pressed(Key::Escape)) {
         return cancel(editor, grid);
     }
-    let down = response.is_pointer_button_down_on() && ui.input(|i| i.pointer.any_down());
+    let holds_primary = is_by_pointer && !editor.picks_by_secondary;
+    let way = PointerWay::new(ui, response, holds_primary);
     // A press and its release can come in the same frame.
-    let (clicked, picked) = (
-        response.clicked_by(PointerButton::Primary),
-        response.secondary_clicked(),
-    );
-    let cell = response.interact_pointer_pos().map(|at| canvas.cell(at));
+    let picked = response.secondary_clicked()
+        || (response.is_pointer_button_down_on() && ui.input(|i| i.pointer.secondary_down()));
+    let places = if way.places.is_empty() {
+        response.interact_pointer_pos().into_iter().collect()
+    } else {
+        way.places
+    };
+    let cells: Vec<Cell> = places.into_iter().map(|at| canvas.cell(at)).collect();
     let mut changed = false;
-    if (down || clicked || picked)
+    if (way.begins || picked)
         && !is_by_pointer
-        && let Some(cell) = cell
+        && let Some(&cell) = cells.first()
     {
-        let primary = clicked || ui.input(|i| i.pointer.primary_down());
-        let secondary = picked || ui.input(|i| i.pointer.secondary_down());
         let alt = ui.input(|i| i.modifiers.alt);
         response.request_focus();
-        changed = if secondary || (primary && (alt || editor.tool == GridTool::Pick)) {
+        editor.picks_by_secondary = !way.begins;
+        changed = if picked || alt || editor.tool == GridTool::Pick {
             editor.gesture = Gesture::Picking;
             false
-        } else if primary {
-            begin(editor, canvas, grid, cell)
         } else {
-            false
+            begin(editor, canvas, grid, cell)
         };
     }
-    if let Some(cell) = cell {
-        let constrained = ui.input(|i| i.modifiers.shift);
+    let constrained = ui.input(|i| i.modifiers.shift);
+    for cell in cells {
         changed |= go_on(editor, canvas, grid, cell, constrained);
     }
+    let ends = if editor.picks_by_secondary {
+        !ui.input(|i| i.pointer.secondary_down())
+    } else {
+        way.ends
+    };
     let is_by_keys = matches!(editor.gesture, Gesture::Shape { by_keys: true, .. });
-    if !down && !is_by_keys && editor.gesture != Gesture::None {
+    if ends && !is_by_keys && editor.gesture != Gesture::None {
         changed |= editor.finish_shape(grid);
         editor.gesture = Gesture::None;
     }

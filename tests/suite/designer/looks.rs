@@ -140,7 +140,7 @@ fn windows_look_as_they_were_found_good() {
         "chart editor",
         "saved views",
     ];
-    for (theme, names) in [(Theme::Light, in_light), (Theme::Dark, in_dark)] {
+    for (theme, names) in [(Theme::Light, &in_light[..]), (Theme::Dark, &in_dark)] {
         for name in names {
             let (scale, size) = (1.0, vec2(1280.0, 720.0));
             let (mut harness, _home) = states::start(Look { theme, scale, size });

@@ -70,7 +70,12 @@ pub fn measure(
         say(&format!("costs, turn {}", all.len() + 1));
         let start = Instant::now();
         let mut edited = design.clone();
-        edit(&mut edited, Edit::Length, design, all.len() % 2 == 0);
+        edit(
+            &mut edited,
+            Edit::Length,
+            design,
+            all.len().is_multiple_of(2),
+        );
         match turn(&edited, &mut compiler, backend, window, deadline)? {
             Some(turn) => all.push(turn),
             None => break,
@@ -117,10 +122,14 @@ fn turn(
     (request.settings.samples, request.settings.error) = (1, 0.0);
     let is_gpu = backend.kind() == BackendKind::Gpu;
     let mut upload = None;
+    let mut seed = request.settings.seed;
     let mut sample = |shadows: bool, bounces: u32| -> anyhow::Result<Option<f64>> {
         let mut request = request.clone();
         request.settings.shadows &= shadows;
         request.settings.bounces = request.settings.bounces.min(bounces);
+        // Never the picture that the backend has already: that would cost nothing.
+        seed = seed.wrapping_add(1);
+        request.settings.seed = seed;
         let Some(drawn) = draw(backend, &request, Some(deadline))? else {
             return Ok(None);
         };
@@ -135,8 +144,15 @@ fn turn(
         Ok(Some(drawn.samples.cost(backend.kind()) / cores))
     };
     let all = sample(true, u32::MAX)?;
-    let direct = sample(true, 1)?;
-    let camera = sample(false, 1)?;
+    // Where there is nothing to leave out, two pictures would differ by chance alone.
+    let direct = match request.settings.bounces {
+        1 => all,
+        _ => sample(true, 1)?,
+    };
+    let camera = match request.settings.shadows {
+        false => direct,
+        true => sample(false, 1)?,
+    };
     let (Some(all), Some(direct), Some(camera)) = (all, direct, camera) else {
         return Ok(None);
     };

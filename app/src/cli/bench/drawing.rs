@@ -90,6 +90,26 @@ pub fn request(
     })
 }
 
+/// The clocks tell work of this length; what is shorter is done several times.
+pub const LONG: Duration = Duration::from_millis(120);
+
+/// Most samples of what is repeated to be long enough.
+const MOST_SAMPLES: u32 = 16;
+
+/// How many samples make a picture of which one takes so long long enough.
+pub fn samples_for(one: Duration) -> u32 {
+    let samples = LONG.as_nanos() / one.as_nanos().max(1);
+    (samples.min(MOST_SAMPLES.into()) as u32).max(1)
+}
+
+/// What each of so many samples cost.
+pub fn per_sample(spent: Spent, samples: u32) -> Spent {
+    Spent {
+        wall: spent.wall / samples,
+        processor: spent.processor.map(|time| time / samples),
+    }
+}
+
 /// Patch tests for each ray of either kind.
 pub fn patch_tests_per_ray(counters: &Counters) -> f64 {
     let rays = (counters.rays + counters.shadow_rays).max(1);

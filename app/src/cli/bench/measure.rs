@@ -17,7 +17,7 @@ use renderer_core::render::{
 };
 use renderer_core::scene::{self, CompileError, Scene};
 
-use super::drawing::least;
+use super::drawing::{least, per_sample};
 use super::plan::{Setting, TRUTH, Target, share};
 use super::truth::{Bias, Known, Truth, known};
 use crate::clock::{Spent, timed};
@@ -392,13 +392,7 @@ fn character(
         _ => None,
     };
     let looks = turns.iter().flatten().filter_map(|turn| turn.looks.last());
-    let per_sample = looks.map(|look| {
-        let samples = look.samples;
-        Spent {
-            wall: look.spent.wall / samples,
-            processor: look.spent.processor.map(|time| time / samples),
-        }
-    });
+    let per_sample = looks.map(|look| per_sample(look.spent, look.samples));
     Ok(Character {
         counters,
         per_sample: least(per_sample),

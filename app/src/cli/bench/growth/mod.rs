@@ -16,7 +16,7 @@ pub use report::{csv, plots, section};
 
 use super::super::stats::scene_bytes;
 use super::Conditions;
-use super::drawing::{self, count, draw, least};
+use super::drawing::{self, Drawn, LONG, count, draw, least, per_sample, samples_for};
 use super::parts::Turns;
 use crate::clock::{Spent, timed};
 
@@ -153,7 +153,8 @@ fn with_loops(
         for (sheet, request) in &mut sheets {
             request.settings.seed = turn;
             if let Some(drawn) = draw(backend, request, None)? {
-                sheet.sample = least([sheet.sample, drawn.samples]).unwrap_or_default();
+                let sample = per_sample(drawn.samples, request.settings.samples);
+                sheet.sample = least([sheet.sample, sample]).unwrap_or_default();
                 let upload = drawn.upload.wall.saturating_sub(drawn.pipelines);
                 sheet.upload = sheet.upload.min(upload);
                 sheet.turns += 1;
@@ -187,13 +188,13 @@ fn sheet(
     let mut request = drawing::request(design, &scene, conditions.size, 1)?;
     let counters = count(backend, &request)?;
     request.settings.seed = u32::MAX;
-    let drawn = draw(backend, &request, None)?.unwrap_or_default();
+    let drawn = draw_long(backend, &mut request)?;
     let sheet = Sheet {
         yarns: [design.sheet.warps, design.sheet.wefts],
         loops: scene.loops.counts.planted,
         compile: least(compiles).unwrap_or_default(),
         upload: drawn.upload.wall.saturating_sub(drawn.pipelines),
-        sample: drawn.samples,
+        sample: per_sample(drawn.samples, request.settings.samples),
         counters,
         scene_bytes: scene_bytes(&scene),
         bytes_per_loop: scene.loops.bytes_per_loop(),
@@ -201,6 +202,18 @@ fn sheet(
         turns: 1,
     };
     Ok((sheet, request))
+}
+
+/// Draws one sample to see how many are needed, and then these.
+fn draw_long(backend: &mut dyn Backend, request: &mut RenderRequest) -> anyhow::Result<Drawn> {
+    let one = draw(backend, request, None)?.unwrap_or_default();
+    let samples = samples_for(one.samples.wall);
+    if samples == 1 {
+        return Ok(one);
+    }
+    request.settings.samples = samples;
+    request.settings.seed = request.settings.seed.wrapping_add(1);
+    Ok(draw(backend, request, None)?.unwrap_or(one))
 }
 
 fn compile_time(compiles: &[Spent]) -> Duration {
@@ -225,16 +238,16 @@ fn with_pixels(
         say(&format!("{} x {} pixels", size[0], size[1]));
         let expected = pictures.last().map_or(Duration::ZERO, |(last, _)| {
             // Four times the pixels, and as long again for a second turn.
-            8 * last.sample.wall
+            8 * last.sample.wall.max(LONG)
         });
         if !pictures.is_empty() && Instant::now() + expected >= deadline {
             break;
         }
-        let request = drawing::request(design, &scene, size, 1)?;
-        let drawn = draw(backend, &request, None)?.unwrap_or_default();
+        let mut request = drawing::request(design, &scene, size, 1)?;
+        let drawn = draw_long(backend, &mut request)?;
         let picture = Picture {
             size,
-            sample: drawn.samples,
+            sample: per_sample(drawn.samples, request.settings.samples),
             turns: 1,
         };
         pictures.push((picture, request));
@@ -249,7 +262,8 @@ fn with_pixels(
         for (picture, request) in &mut pictures {
             request.settings.seed = turn;
             if let Some(drawn) = draw(backend, request, None)? {
-                picture.sample = least([picture.sample, drawn.samples]).unwrap_or_default();
+                let sample = per_sample(drawn.samples, request.settings.samples);
+                picture.sample = least([picture.sample, sample]).unwrap_or_default();
                 picture.turns += 1;
             }
         }

@@ -1,7 +1,7 @@
 //! Skips of backends: pictures drawn with them and without.
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use renderer_core::design::Design;
 use renderer_core::image::metrics;
@@ -9,13 +9,9 @@ use renderer_core::render::{Backend, RenderRequest, Skip, convergence};
 use renderer_core::scene::Scene;
 
 use super::super::drawing::{self, Drawn};
-use super::{Difference, Side, Trial};
+use super::{Difference, LONGEST_FIRST, Side, Trial};
 use crate::clock::Spent;
 
-/// A turn takes about so long, so that the clocks tell it.
-const LONG: Duration = Duration::from_millis(150);
-/// Most samples of a turn without a target.
-const MOST_SAMPLES: u32 = 16;
 /// The error target, as a share of the error at the fewest samples that can end a tile: some tiles end there, others go on
 /// to four times as many samples and more.
 const TARGET: f64 = 0.6;
@@ -29,7 +25,7 @@ pub struct Sampling {
 }
 
 impl Sampling {
-    /// With so many samples that a turn can be timed; `None` where there are none.
+    /// With so many samples that a turn can be timed; `None` if time is up before the first.
     ///
     /// # Errors
     /// When the backend fails.
@@ -39,14 +35,14 @@ impl Sampling {
         size: [u32; 2],
         skip: Skip,
         backend: &mut dyn Backend,
+        deadline: Instant,
     ) -> anyhow::Result<Option<Self>> {
         let mut request = drawing::request(design, scene, size, 1)?;
-        let Some(first) = drawing::draw(backend, &request, None)? else {
+        let until = deadline.max(Instant::now() + LONGEST_FIRST);
+        let Some(first) = drawing::draw(backend, &request, Some(until))? else {
             return Ok(None);
         };
-        let one = first.samples.wall.max(Duration::from_nanos(1));
-        let samples = LONG.as_nanos() / one.as_nanos();
-        request.settings.samples = (samples as u32).clamp(1, MOST_SAMPLES);
+        request.settings.samples = drawing::samples_for(first.samples.wall);
         Ok(Some(Self { request, skip }))
     }
 

@@ -134,7 +134,8 @@ pub fn measure(
                     pairs(&mut trial, backend, turns)?
                 }
                 Switch::Drawing => {
-                    match drawing::Sampling::new(design, &scene, size, skip, backend)? {
+                    let until = turns.deadline;
+                    match drawing::Sampling::new(design, &scene, size, skip, backend, until)? {
                         Some(mut trial) => pairs(&mut trial, backend, turns)?,
                         None => None,
                     }

@@ -102,7 +102,7 @@ pub fn verdict(difference: &Difference) -> String {
         format!("rounding, {rel_rmse:.0e}")
     } else if rel_rmse < between_seeds {
         let share = 100.0 * rel_rmse / between_seeds;
-        format!("{rel_rmse:.2e}, {share:.1} % of that of two seeds")
+        format!("{rel_rmse:.2e}, {share:.2} % of that of two seeds")
     } else {
         format!("{rel_rmse:.2e}, no less than that of two seeds")
     }

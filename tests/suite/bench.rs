@@ -106,7 +106,7 @@ fn a_tiny_bench_writes_table_plots_and_summary() {
             "--size",
             "20x16",
             "--budget",
-            "1",
+            "3",
             "--backend",
             "cpu",
             "--what",
@@ -115,8 +115,8 @@ fn a_tiny_bench_writes_table_plots_and_summary() {
     );
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{errors}");
-    // Two presets of a second; the rest is the start of the program and drawing the plots, on a busy machine.
-    assert!(start.elapsed() < Duration::from_secs(20));
+    // Two presets of three seconds; the rest is the start of the program and drawing the plots, on a busy machine.
+    assert!(start.elapsed() < Duration::from_secs(30));
     assert_eq!(
         names(&out),
         [

@@ -193,7 +193,10 @@ pub fn csv(all: &[Measured]) -> String {
 
 /// The section of the summary.
 pub fn section(costs: &[Cost]) -> String {
-    let mut text = String::from("\n| stage | time | share |\n| --- | --- | --- |\n");
+    let mut text = String::from(
+        "\nStages of the compiler and the upload are by the clock, which other work disturbs; rays are processor time over cores \
+         where a processor draws.\n\n| stage | time | share |\n| --- | --- | --- |\n",
+    );
     for cost in costs {
         let _ = writeln!(
             text,

@@ -12,6 +12,9 @@ const FIELD: [f64; 4] = [206.0, 64.0, 780.0, 532.0];
 /// Thickest bar, units.
 const THICKEST: f64 = 26.0;
 
+/// Width of a letter of the text at a bar's end, on average, units.
+const LETTER: f64 = 6.8;
+
 /// A bar.
 #[derive(Debug, Clone)]
 pub struct Bar {
@@ -90,26 +93,7 @@ impl Figure for Bars {
         let under = [(left + right) / 2.0, bottom + 46.0];
         canvas.text(&self.axis, under, 16.0, middle, INK)?;
 
-        let pitch = (bottom - top) / self.bars.len().max(1) as f64;
-        let thick = (0.7 * pitch).min(THICKEST);
-        for (index, bar) in self.bars.iter().enumerate() {
-            let y = top + pitch * (index as f64 + 0.5);
-            let side = (HPos::Right, VPos::Center);
-            canvas.text(&bar.name, [left - 10.0, y], 14.5, side, INK)?;
-            let value = bar.value.filter(|value| value.is_finite()).unwrap_or(0.0);
-            let end = place(value.min(most));
-            if value > 0.0 {
-                let (low, high) = (y - 0.5 * thick, y + 0.5 * thick);
-                let corners = [[left, low], [end, low], [end, high], [left, high]];
-                canvas.polygon(&corners, COLOURS[0])?;
-                if value > most {
-                    // It goes on beyond a gap.
-                    let gap = [[-24.0, high], [-16.0, high], [-8.0, low], [-16.0, low]];
-                    canvas.polygon(&gap.map(|[x, y]| [end + x, y]), WHITE)?;
-                }
-            }
-            canvas.text(&bar.text, [end + 8.0, y], 13.5, above, INK)?;
-        }
+        // Under the bars and their numbers.
         if let Some((value, name)) = &self.limit {
             let x = place(*value);
             let stroke = Stroke {
@@ -131,6 +115,34 @@ impl Figure for Bars {
                 (anchor, VPos::Center),
                 COLOURS[1],
             )?;
+        }
+        let pitch = (bottom - top) / self.bars.len().max(1) as f64;
+        let thick = (0.7 * pitch).min(THICKEST);
+        for (index, bar) in self.bars.iter().enumerate() {
+            let y = top + pitch * (index as f64 + 0.5);
+            let side = (HPos::Right, VPos::Center);
+            canvas.text(&bar.name, [left - 10.0, y], 14.5, side, INK)?;
+            let value = bar.value.filter(|value| value.is_finite()).unwrap_or(0.0);
+            let end = place(value.min(most));
+            if value > 0.0 {
+                let (low, high) = (y - 0.5 * thick, y + 0.5 * thick);
+                let corners = [[left, low], [end, low], [end, high], [left, high]];
+                canvas.polygon(&corners, COLOURS[0])?;
+                if value > most {
+                    // It goes on beyond a gap.
+                    let gap = [[-24.0, high], [-16.0, high], [-8.0, low], [-16.0, low]];
+                    canvas.polygon(&gap.map(|[x, y]| [end + x, y]), WHITE)?;
+                }
+            }
+            // On white, so that no line runs through it.
+            let behind = [
+                end + 5.0,
+                end + 8.0 + LETTER * bar.text.chars().count() as f64,
+            ];
+            let (low, high) = (y - 9.0, y + 9.0);
+            let [from, to] = behind;
+            canvas.polygon(&[[from, low], [to, low], [to, high], [from, high]], WHITE)?;
+            canvas.text(&bar.text, [end + 8.0, y], 13.5, above, INK)?;
         }
         let axis = Stroke {
             colour: GREY,

@@ -2,6 +2,8 @@
 //!
 //! Longer than most files because the parts of the command are tried on the same made-up rows.
 
+mod parts;
+
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -14,7 +16,7 @@ use tempfile::TempDir;
 use towel_designer::cli::bench::measure::{Character, Findings, Row};
 use towel_designer::cli::bench::pareto::{Point, cheapest, domination, front};
 use towel_designer::cli::bench::plan::{Target, share, targets};
-use towel_designer::cli::bench::plot::Plot;
+use towel_designer::cli::bench::plot::{Figure, Plot};
 use towel_designer::cli::bench::truth::{Bias, Known, Truth, known};
 use towel_designer::cli::bench::{Conditions, Measured, csv, summary};
 use towel_designer::clock::Spent;
@@ -104,24 +106,30 @@ fn a_tiny_bench_writes_table_plots_and_summary() {
             "--size",
             "20x16",
             "--budget",
-            "1",
+            "3",
             "--backend",
             "cpu",
+            "--what",
+            "errors",
         ],
     );
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{errors}");
-    // Two presets of a second; the rest is the start of the program and drawing the plots, on a busy machine.
-    assert!(start.elapsed() < Duration::from_secs(20));
+    // Two presets of three seconds; the rest is the start of the program and drawing the plots, on a busy machine.
+    assert!(start.elapsed() < Duration::from_secs(30));
     assert_eq!(
         names(&out),
         [
             "bench.csv",
+            "plain-without-skips.png",
+            "plain-without-skips.svg",
             "plain.png",
             "plain.svg",
             "summary.md",
             "white, towel-bounces-3.png",
             "white, towel-bounces-3.svg",
+            "white, towel-without-skips.png",
+            "white, towel-without-skips.svg",
             "white, towel.png",
             "white, towel.svg",
         ]
@@ -177,6 +185,15 @@ fn a_tiny_bench_writes_table_plots_and_summary() {
         "{kinds:?}"
     );
 
+    // What leaving out work is worth, by the preset's own method.
+    for skip in ["", "empty-cells", "background-tiles", "opaque-rays"] {
+        let found = rows.iter().any(|row| {
+            (&*row[column("without skip")], &*row[column("method")]) == (skip, "single")
+                && row[column("bounces")] == "1"
+        });
+        assert!(found, "without {skip}");
+    }
+
     let printed = String::from_utf8(output.stdout).unwrap();
     assert_eq!(printed, fs::read_to_string(out.join("summary.md")).unwrap());
     for part in [
@@ -227,6 +244,23 @@ fn a_bench_that_cannot_be_is_refused_before_it_starts() {
             2,
             &["bench", "plain.toml", "-o", "out", "--budget", "-1"],
             "above 0",
+        ),
+        (
+            2,
+            &[
+                "bench",
+                "plain.toml",
+                "-o",
+                "out",
+                "--what",
+                "errors,weather",
+            ],
+            "first-picture",
+        ),
+        (
+            2,
+            &["bench", "plain.toml", "-o", "out", "--window", "1920"],
+            "widthxheight",
         ),
         (
             2,
@@ -380,7 +414,7 @@ fn the_plan_has_every_method_and_more_scatterings_where_the_preset_has() {
         bounces,
         ..Quality::default()
     };
-    let direct = &targets(&quality(1), Method::ALL)[..];
+    let direct = &targets(&quality(1), Method::ALL, &[])[..];
     assert_eq!(direct.len(), 1);
     assert_eq!(direct[0].settings.len(), 4 * Method::ALL.len());
     assert!(
@@ -389,7 +423,7 @@ fn the_plan_has_every_method_and_more_scatterings_where_the_preset_has() {
             .iter()
             .all(|setting| setting.bounces == 1)
     );
-    let both = targets(&quality(9), &[Method::Single, Method::Tracked]);
+    let both = targets(&quality(9), &[Method::Single, Method::Tracked], &[]);
     assert_eq!((both[0].bounces, both[1].bounces), (1, 9));
     assert_eq!(both[0].settings.len(), 8);
     assert!((both[0].share + both[1].share - 1.0).abs() < 1e-12);
@@ -413,7 +447,7 @@ fn findings(list: &[(usize, u32, f64, f64)], noise: f64) -> Findings {
         bounces: 1,
         ..Quality::default()
     };
-    let target: Target = targets(&quality, &[Method::Single, Method::Layered]).remove(0);
+    let target: Target = targets(&quality, &[Method::Single, Method::Layered], &[]).remove(0);
     let spent = |seconds: f64| Spent {
         wall: Duration::from_secs_f64(seconds),
         processor: None,
@@ -467,6 +501,7 @@ fn findings(list: &[(usize, u32, f64, f64)], noise: f64) -> Findings {
 fn conditions() -> Conditions {
     Conditions {
         size: [4, 4],
+        window: [8, 6],
         // Of the GPU time by the clock counts.
         backend: BackendKind::Gpu,
         device: "test".into(),
@@ -493,6 +528,7 @@ fn the_summary_names_the_best_and_the_dominated() {
     let measured = Measured {
         name: "made-up".into(),
         findings: vec![findings],
+        ..Measured::default()
     };
     let text = summary::write(&conditions(), std::slice::from_ref(&measured));
     for part in [

@@ -49,7 +49,7 @@ struct Arguments {
 enum Command {
     /// Render a preset to a PNG (as displayed) or EXR (linear) file.
     Render(Box<render::RenderArguments>),
-    /// Measure run time against error of every method: a table, plots and a summary.
+    /// Measure what presets cost: run time against error, skips, backends, growth, first pictures; tables, plots and a summary.
     Bench(bench::BenchArguments),
     /// Measure how smoothly the window goes while it renders: the times between its frames.
     Pace(pace::PaceArguments),

@@ -19,6 +19,7 @@ mod display_table;
 mod document;
 mod export;
 mod filing;
+pub mod first_picture;
 mod folders;
 mod help;
 mod keeper;

@@ -1,4 +1,5 @@
-//! The table of all measurements as CSV (RFC 4180), a row for each setting and number of samples; units in the header.
+//! Tables as CSV (RFC 4180), units in the header; and that of run time against error, a row for each setting and number of
+//! samples.
 
 use renderer_core::render::Counters;
 
@@ -6,20 +7,26 @@ use super::measure::{Findings, Row};
 use super::truth::Known;
 use super::{Conditions, Measured};
 
-const HEADER: &str = "preset,backend,width [px],height [px],bounces,method,sampler,shadows,setting bounces,traced bounces,samples [1/px],\
+const HEADER: &str = "preset,backend,width [px],height [px],bounces,method,sampler,shadows,setting bounces,traced bounces,without skip,samples [1/px],\
     clock time [s],processor time [s],error [relRMSE],error is below the truth's noise,measured error [relRMSE],\
     estimated noise [relRMSE],FLIP [0 to 1],rounds,truth's noise [relRMSE],FLIP between the truth's halves [0 to 1],\
     rays [1/sample],shadow rays [1/sample],cells [1/ray],patch tests [1/ray],volume samples [1/ray]";
 
 /// The file.
 pub fn write(conditions: &Conditions, all: &[Measured]) -> String {
-    let mut lines = vec![HEADER.to_owned()];
+    let mut lines = Vec::new();
     for measured in all {
         for findings in &measured.findings {
             let rows = findings.rows.iter();
             lines.extend(rows.map(|row| line(conditions, &measured.name, findings, row)));
         }
     }
+    table(HEADER, lines)
+}
+
+/// A whole file: the header, then its rows.
+pub fn table(header: &str, rows: impl IntoIterator<Item = String>) -> String {
+    let lines: Vec<String> = [header.to_owned()].into_iter().chain(rows).collect();
     lines.join("\r\n") + "\r\n"
 }
 
@@ -42,6 +49,9 @@ fn line(conditions: &Conditions, preset: &str, findings: &Findings, row: &Row) -
         setting.shadows.to_string(),
         setting.bounces.to_string(),
         setting.traced_bounces.to_string(),
+        setting
+            .without
+            .map_or_else(String::new, |skip| skip.to_string()),
         row.samples.to_string(),
         number(row.spent.wall.as_secs_f64()),
         optional(row.spent.processor.map(|time| time.as_secs_f64())),
@@ -75,12 +85,13 @@ fn work(counters: Option<Counters>, samples: f64) -> [Option<f64>; 5] {
     .map(Some)
 }
 
-fn optional(value: Option<f64>) -> String {
+/// A number, or nothing.
+pub fn optional(value: Option<f64>) -> String {
     value.map_or_else(String::new, number)
 }
 
 /// Six significant digits: more than any of this is known to.
-fn number(value: f64) -> String {
+pub fn number(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
     }
@@ -90,7 +101,8 @@ fn number(value: f64) -> String {
     ((value * scale).round() / scale).to_string()
 }
 
-fn quoted(text: &str) -> String {
+/// Text, in quotes where it needs them.
+pub fn quoted(text: &str) -> String {
     if text.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", text.replace('"', "\"\""))
     } else {

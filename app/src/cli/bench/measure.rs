@@ -12,9 +12,12 @@ use std::time::{Duration, Instant};
 use renderer_core::design::{Design, Method, Quality, Sampler};
 use renderer_core::image::Picture;
 use renderer_core::image::metrics;
-use renderer_core::render::{Backend, Camera, Counters, RenderError, RenderRequest, Settings};
+use renderer_core::render::{
+    Backend, Camera, Counters, RenderError, RenderRequest, Settings, Skips,
+};
 use renderer_core::scene::{self, CompileError, Scene};
 
+use super::drawing::{least, per_sample};
 use super::plan::{Setting, TRUTH, Target, share};
 use super::truth::{Bias, Known, Truth, known};
 use crate::clock::{Spent, timed};
@@ -145,6 +148,10 @@ impl Subject {
                 shadows: setting.shadows,
                 bounces: setting.bounces,
                 traced_bounces: setting.traced_bounces,
+                skips: match setting.without {
+                    Some(skip) => Skips::ALL.without(skip),
+                    None => Skips::ALL,
+                },
                 samples: 1,
                 error: 0.0,
                 seed,
@@ -166,6 +173,7 @@ impl Subject {
                 shadows: true,
                 bounces: 1,
                 traced_bounces: 0,
+                without: None,
             };
             match backend.begin(&self.request(&setting, 0)?) {
                 Ok(()) => methods.push(method),
@@ -361,7 +369,7 @@ fn take_turn(
 
 /// Whether two settings do the same work for a sample, but for chance.
 fn works_like(a: &Setting, b: &Setting) -> bool {
-    let kind = |s: &Setting| (s.method, s.shadows, s.bounces, s.traced_bounces);
+    let kind = |s: &Setting| (s.method, s.shadows, s.bounces, s.traced_bounces, s.without);
     kind(a) == kind(b)
 }
 
@@ -384,29 +392,12 @@ fn character(
         _ => None,
     };
     let looks = turns.iter().flatten().filter_map(|turn| turn.looks.last());
-    let per_sample = looks.map(|look| {
-        let samples = look.samples;
-        Spent {
-            wall: look.spent.wall / samples,
-            processor: look.spent.processor.map(|time| time / samples),
-        }
-    });
+    let per_sample = looks.map(|look| per_sample(look.spent, look.samples));
     Ok(Character {
         counters,
-        per_sample: per_sample.reduce(least),
+        per_sample: least(per_sample),
         bias,
     })
-}
-
-/// The lesser of both times.
-fn least(a: Spent, b: Spent) -> Spent {
-    Spent {
-        wall: a.wall.min(b.wall),
-        processor: match (a.processor, b.processor) {
-            (Some(a), Some(b)) => Some(a.min(b)),
-            _ => None,
-        },
-    }
 }
 
 /// The rows of a setting: its rounds put together.
@@ -433,11 +424,7 @@ fn rows(setting: usize, turns: &[Option<Turn>; 2], noise: f64) -> Vec<Row> {
         Row {
             setting,
             samples,
-            spent: looks
-                .iter()
-                .map(|look| look.spent)
-                .reduce(least)
-                .unwrap_or_default(),
+            spent: least(looks.iter().map(|look| look.spent)).unwrap_or_default(),
             measured,
             error: known(measured, noise),
             estimate: estimates.map(|all| (all.iter().map(|e| e * e).sum::<f64>() / count).sqrt()),

@@ -1,20 +1,37 @@
-//! `bench`: run time against error of every way to render a preset: a table, plots, and what follows from them.
+//! `bench`: what a preset costs, and what it is worth: tables, plots, and what follows from them.
 //!
-//! For each preset a converged truth is made first, then methods × samplers × shadows are rendered at 1, 2, 4 … samples
-//! for as long as the budget lasts. After each preset all files are written anew, each at once, so that Ctrl-C leaves
-//! whole files.
+//! ```text
+//! errors         methods × samplers × shadows against a converged truth, and one method without each skip
+//! skips          the same work with each skip and without it, in turns
+//! backends       the same picture by each backend
+//! growth         loops from a thousand to a million, and pixels
+//! first-picture  from each kind of edit to the first picture in the window
+//! costs          the stages between an edit and a whole picture: which is the largest
+//! ```
+//!
+//! Each part has its share of a preset's budget. After each preset all files are written anew, each at once, so that Ctrl-C
+//! leaves whole files.
 
+pub mod backends;
+pub mod costs;
 pub mod csv;
+mod drawing;
+pub mod first_picture;
+pub mod growth;
 pub mod measure;
 pub mod pareto;
+pub mod parts;
 pub mod plan;
 pub mod plot;
+pub mod skips;
 pub mod summary;
 pub mod truth;
+mod written;
 
+use std::fmt;
 use std::fs;
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -22,6 +39,7 @@ use renderer_core::design::Design;
 use renderer_core::render::{Backend, BackendKind};
 
 use self::measure::{Findings, Subject, measure, name_of};
+use self::parts::{Part, chosen, deadline_of_first};
 use super::{BadArgument, arguments};
 use crate::backend::{self, BackendChoice};
 use crate::files::{self, FileError};
@@ -32,14 +50,20 @@ pub struct BenchArguments {
     /// Presets to measure.
     #[arg(required = true)]
     presets: Vec<PathBuf>,
-    /// Folder to write to: bench.csv, summary.md, and a plot a preset as PNG and SVG.
+    /// Folder to write to: summary.md, and a table as .csv and plots as .png and .svg for each part.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
+    /// What to measure, separated by commas; everything unless told.
+    #[arg(long, value_name = "PARTS", value_enum, value_delimiter = ',')]
+    what: Vec<Part>,
     /// Size of the pictures in pixels.
     #[arg(long, value_name = "WxH", default_value = "192x192", value_parser = arguments::size)]
     size: [u32; 2],
+    /// Size of the window's picture in pixels, for first-picture and costs.
+    #[arg(long, value_name = "WxH", default_value = "1920x1080", value_parser = arguments::size)]
+    window: [u32; 2],
     /// Seconds to spend on each preset.
-    #[arg(long, value_name = "S", default_value = "120", allow_negative_numbers = true, value_parser = arguments::seconds)]
+    #[arg(long, value_name = "S", default_value = "240", allow_negative_numbers = true, value_parser = arguments::seconds)]
     budget: f64,
     /// What to render with.
     #[arg(long, value_enum, default_value_t)]
@@ -54,6 +78,8 @@ pub struct BenchArguments {
 pub struct Conditions {
     /// Width and height, pixels.
     pub size: [u32; 2],
+    /// Width and height of the window's picture, pixels.
+    pub window: [u32; 2],
     /// What renders.
     pub backend: BackendKind,
     /// Its adapter or cores.
@@ -62,38 +88,66 @@ pub struct Conditions {
     pub budget: Duration,
 }
 
-/// A preset's results.
-#[derive(Debug, Clone)]
+impl fmt::Display for Conditions {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [width, height] = self.size;
+        let (backend, device) = (self.backend.name(), &self.device);
+        write!(f, "{width} × {height} pixels, {backend} ({device})")
+    }
+}
+
+/// A preset's results, of the parts that were asked for.
+#[derive(Debug, Clone, Default)]
 pub struct Measured {
     /// The preset's name.
     pub name: String,
     /// For each target.
     pub findings: Vec<Findings>,
+    /// For each skip.
+    pub skips: Vec<skips::Line>,
+    /// For each backend.
+    pub backends: Vec<backends::Line>,
+    /// With loops and pixels.
+    pub growth: Option<growth::Growth>,
+    /// For each kind of edit.
+    pub first_pictures: Option<first_picture::FirstPictures>,
+    /// For each stage.
+    pub costs: Vec<costs::Cost>,
 }
 
 /// Measures and writes.
 pub fn run(arguments: &BenchArguments) -> anyhow::Result<()> {
     let presets = load(&arguments.presets)?;
+    let parts = chosen(&arguments.what);
     let folder = &arguments.output;
     fs::create_dir_all(folder).map_err(|source| FileError::Write {
         path: folder.clone(),
         source,
     })?;
-    for name in ["bench.csv", "summary.md"] {
+    for name in written::names(&parts) {
         files::check_writable(&folder.join(name))?;
     }
     let mut backend = backend::make(arguments.backend)?;
     let conditions = Conditions {
         size: arguments.size,
+        window: arguments.window,
         backend: backend.kind(),
         device: backend.device_name(),
         budget: Duration::from_secs_f64(arguments.budget),
     };
     let mut all = Vec::new();
     for (name, design) in presets {
-        let findings = one_preset(&name, design, &mut *backend, &conditions, arguments.quiet)?;
-        all.push(Measured { name, findings });
-        write(folder, &conditions, &all)?;
+        let bench = Bench {
+            name: &name,
+            design: &design,
+            conditions: &conditions,
+            choice: arguments.backend,
+            bar: bar(conditions.budget, arguments.quiet),
+            start: Instant::now(),
+        };
+        all.push(bench.measure(&parts, &mut *backend)?);
+        bench.bar.finish_and_clear();
+        written::write(folder, &conditions, &parts, &all)?;
     }
     let summary = summary::write(&conditions, &all);
     std::io::stdout().lock().write_all(summary.as_bytes())?;
@@ -117,33 +171,79 @@ fn load(paths: &[PathBuf]) -> anyhow::Result<Vec<(String, Design)>> {
     Ok(presets)
 }
 
-fn one_preset(
-    name: &str,
-    design: Design,
-    backend: &mut dyn Backend,
-    conditions: &Conditions,
-    quiet: bool,
-) -> anyhow::Result<Vec<Findings>> {
-    let bar = bar(conditions.budget, quiet);
-    let start = Instant::now();
-    // Every design has a camera: it has been validated.
-    let mut subject = Subject::new(design, conditions.size)
-        .ok_or_else(|| anyhow::anyhow!("{name}: the preset has no camera"))?;
-    let mut findings = Vec::new();
-    let mut share = 0.0;
-    let methods = subject.methods_of(backend)?;
-    for target in plan::targets(subject.quality(), &methods) {
-        share += target.share;
-        let deadline = start + conditions.budget.mul_f64(share);
-        let title = target.name();
-        let say = |what: &str| {
-            bar.set_position(start.elapsed().as_millis() as u64);
-            bar.set_message(format!("{name}, {title}: {what}"));
-        };
-        findings.push(measure(&mut subject, backend, target, deadline, say)?);
+/// One preset on the bench.
+struct Bench<'a> {
+    name: &'a str,
+    design: &'a Design,
+    conditions: &'a Conditions,
+    choice: BackendChoice,
+    bar: ProgressBar,
+    start: Instant,
+}
+
+impl Bench<'_> {
+    fn say(&self, what: &str) {
+        self.bar
+            .set_position(self.start.elapsed().as_millis() as u64);
+        self.bar.set_message(format!("{}, {what}", self.name));
     }
-    bar.finish_and_clear();
-    Ok(findings)
+
+    fn measure(&self, parts: &[Part], backend: &mut dyn Backend) -> anyhow::Result<Measured> {
+        let mut measured = Measured {
+            name: self.name.into(),
+            ..Measured::default()
+        };
+        let end = self.start + self.conditions.budget;
+        let (design, conditions) = (self.design, self.conditions);
+        for (index, part) in parts.iter().enumerate() {
+            let until = deadline_of_first(&parts[index..], end);
+            let say = |what: &str| self.say(what);
+            match part {
+                Part::Errors => measured.findings = self.errors(backend, until)?,
+                Part::Skips => {
+                    measured.skips = skips::measure(design, backend, conditions, until, say)?;
+                }
+                Part::Backends => {
+                    measured.backends = backends::measure(design, conditions, until, say)?;
+                }
+                Part::Growth => {
+                    let growth = growth::measure(design, backend, conditions, until, say)?;
+                    measured.growth = Some(growth);
+                }
+                Part::FirstPicture => {
+                    let window = conditions.window;
+                    let found = first_picture::measure(design, self.choice, window, until, say)?;
+                    measured.first_pictures = Some(found);
+                }
+                Part::Costs => {
+                    let window = conditions.window;
+                    measured.costs = costs::measure(design, backend, window, until, say)?;
+                }
+            }
+        }
+        Ok(measured)
+    }
+
+    /// Run time against error until a time.
+    fn errors(&self, backend: &mut dyn Backend, until: Instant) -> anyhow::Result<Vec<Findings>> {
+        let begin = Instant::now();
+        let time = until.saturating_duration_since(begin);
+        // Every design has a camera: it has been validated.
+        let mut subject = Subject::new(self.design.clone(), self.conditions.size)
+            .ok_or_else(|| anyhow::anyhow!("{}: the preset has no camera", self.name))?;
+        let mut findings = Vec::new();
+        let mut share = 0.0;
+        let methods = subject.methods_of(backend)?;
+        let skips = skips::drawing_skips(backend.kind(), subject.quality().method);
+        for target in plan::targets(subject.quality(), &methods, &skips) {
+            share += target.share;
+            let title = target.name();
+            let say = |what: &str| self.say(&format!("{title}: {what}"));
+            let deadline = begin + time.mul_f64(share);
+            findings.push(measure(&mut subject, backend, target, deadline, say)?);
+        }
+        Ok(findings)
+    }
 }
 
 /// A bar on stderr that fills with the budget.
@@ -157,23 +257,4 @@ fn bar(budget: Duration, quiet: bool) -> ProgressBar {
         Ok(style) => bar.with_style(style),
         Err(_) => bar,
     }
-}
-
-/// Writes table, summary and the last preset's plots.
-fn write(folder: &Path, conditions: &Conditions, all: &[Measured]) -> anyhow::Result<()> {
-    let put = |name: &str, bytes: &[u8]| files::write_atomically(&folder.join(name), bytes);
-    if let Some(measured) = all.last() {
-        for findings in &measured.findings {
-            let name = match findings.target.bounces {
-                1 => measured.name.clone(),
-                bounces => format!("{}-bounces-{bounces}", measured.name),
-            };
-            let plot = plot::Plot::new(&measured.name, conditions, findings);
-            put(&format!("{name}.svg"), plot.svg()?.as_bytes())?;
-            put(&format!("{name}.png"), &plot.png()?)?;
-        }
-    }
-    put("bench.csv", csv::write(conditions, all).as_bytes())?;
-    put("summary.md", summary::write(conditions, all).as_bytes())?;
-    Ok(())
 }

@@ -4,6 +4,7 @@
 //! preset's own pictures have more scatterings, these are a second target, with a truth of their own.
 
 use renderer_core::design::{Method, Quality, Sampler};
+use renderer_core::render::Skip;
 
 /// The method that makes the truth. It has no step and no bias, nothing but noise, and that noise falls some three times
 /// as fast as that of `exact`, which differs from it by its step alone: the table of costs tells by how much.
@@ -22,6 +23,8 @@ pub struct Setting {
     pub bounces: u32,
     /// Scatterings after which the light of further ones is estimated, not traced; 0 traces all.
     pub traced_bounces: u32,
+    /// Work that is done though it cannot be seen, to show what leaving it out is worth: no choice of users.
+    pub without: Option<Skip>,
 }
 
 impl Setting {
@@ -40,8 +43,12 @@ impl Setting {
             0 => String::new(),
             traced => format!(", traced_bounces = {traced}"),
         };
+        let without = match self.without {
+            None => String::new(),
+            Some(skip) => format!(", without {skip}"),
+        };
         format!(
-            "{}, {sampler}{shadows}{bounces}{traced}",
+            "{}, {sampler}{shadows}{bounces}{traced}{without}",
             self.method.name()
         )
     }
@@ -56,6 +63,7 @@ impl Setting {
         match (self.sampler, self.shadows) {
             // A yardstick, and no choice.
             _ if self.method == Method::SixFace => 0.5,
+            _ if self.without.is_some() => 1.0,
             (Sampler::Owen, true) => 4.0,
             (Sampler::Random, true) => 1.0,
             // The error soon stops falling.
@@ -93,8 +101,8 @@ impl Target {
     }
 }
 
-/// What is measured of a preset with `methods`, those that the backend has.
-pub fn targets(quality: &Quality, methods: &[Method]) -> Vec<Target> {
+/// What is measured of a preset with `methods`, those that the backend has. `skips` are those of the preset's own method.
+pub fn targets(quality: &Quality, methods: &[Method], skips: &[Skip]) -> Vec<Target> {
     let mut direct = Vec::new();
     for (sampler, shadows) in [
         (Sampler::Owen, true),
@@ -108,6 +116,16 @@ pub fn targets(quality: &Quality, methods: &[Method]) -> Vec<Target> {
             shadows,
             bounces: 1,
             traced_bounces: 0,
+            without: None,
+        }));
+    }
+    let whole = direct
+        .iter()
+        .find(|setting| setting.method == quality.method);
+    if let Some(&whole) = whole {
+        direct.extend(skips.iter().map(|&skip| Setting {
+            without: Some(skip),
+            ..whole
         }));
     }
     let has_more = quality.bounces > 1;
@@ -134,6 +152,7 @@ fn all_of_the_light(bounces: u32) -> Vec<Setting> {
         shadows: true,
         bounces,
         traced_bounces,
+        without: None,
     };
     vec![
         setting(Method::Tracked, Sampler::Owen, bounces, 0),

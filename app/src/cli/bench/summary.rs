@@ -1,4 +1,4 @@
-//! What the measurements say, as Markdown: which setting to take for an error, which are never worth it, and what each
+//! What the measurements say, as Markdown: the largest cost, which setting to take for an error, which are never worth it, and what each
 //! method costs and lacks.
 
 use std::fmt::Write as _;
@@ -10,7 +10,7 @@ use super::measure::{Character, Findings, Row};
 use super::pareto::{self, Point};
 use super::plan::TRUTH;
 use super::truth::Known;
-use super::{Conditions, Measured};
+use super::{Conditions, Measured, backends, costs, first_picture, growth, skips};
 use crate::clock;
 
 /// Errors for which the best setting is named, relRMSE.
@@ -18,40 +18,90 @@ const WANTED: [f64; 4] = [0.5, 0.2, 0.1, 0.05];
 
 /// The file.
 pub fn write(conditions: &Conditions, all: &[Measured]) -> String {
-    let [width, height] = conditions.size;
     let time = if clock::cost_is_processor_time(conditions.backend) {
         "processor time, of all cores together"
     } else {
         "time by the clock"
     };
     let mut text = format!(
-        "# Run time against error\n\n\
-         {width} x {height} pixels, backend {} ({}), {} s a preset. Times are {time}. Errors are relRMSE against a converged \
-         truth, that one's own noise taken out; an error below that noise is not known any better.\n",
-        conditions.backend.name(),
-        conditions.device,
+        "# What it costs\n\n{conditions}, {} s a preset. Times are {time}, unless told otherwise.\n",
         conditions.budget.as_secs_f64(),
     );
+    for measured in all {
+        text += &largest_cost(conditions, measured);
+    }
+    if all.iter().any(|measured| !measured.findings.is_empty()) {
+        text += "\nErrors are relRMSE against a converged truth, that one's own noise taken out; an error below that noise is not \
+                 known any better.\n";
+    }
     for measured in all {
         for findings in &measured.findings {
             text += &section(conditions, &measured.name, findings);
         }
+        text += &parts(conditions, measured);
     }
     text
 }
 
-/// Cost and error of every row.
-pub fn points(conditions: &Conditions, findings: &Findings) -> Vec<Point> {
-    let point = |row: &Row| Point {
-        cost: row.spent.cost(conditions.backend),
-        error: row.error.bound(findings.truth.noise),
+/// Which stage between an edit and a whole picture is the dearest.
+fn largest_cost(conditions: &Conditions, measured: &Measured) -> String {
+    let Some(largest) = costs::largest(&measured.costs) else {
+        return String::new();
     };
-    findings.rows.iter().map(point).collect()
+    let [width, height] = conditions.window;
+    format!(
+        "\n{}: the largest remaining cost is **{}**: {:.0} % of the time from an edit of all loops to one sample of a picture of \
+         {width} × {height} pixels.\n",
+        measured.name,
+        largest.stage,
+        100.0 * largest.share,
+    )
+}
+
+/// The sections of everything but run time against error.
+fn parts(conditions: &Conditions, measured: &Measured) -> String {
+    let mut text = String::new();
+    let mut add = |title: &str, section: String| {
+        let _ = write!(text, "\n## {}: {title}\n{section}", measured.name);
+    };
+    if !measured.skips.is_empty() {
+        add(
+            "with and without each skip",
+            skips::section(&measured.skips),
+        );
+    }
+    if !measured.backends.is_empty() {
+        add("each backend", backends::section(&measured.backends));
+    }
+    if let Some(growth) = &measured.growth {
+        add("growth", growth::section(growth, conditions));
+    }
+    if let Some(found) = &measured.first_pictures {
+        let section = first_picture::section(found);
+        add("from an edit to its first picture", section);
+    }
+    if !measured.costs.is_empty() {
+        let section = costs::section(&measured.costs);
+        add("from an edit of all loops to a whole picture", section);
+    }
+    text
+}
+
+/// Cost and error of rows, held to a truth of this noise.
+pub fn points(conditions: &Conditions, rows: &[&Row], noise: f64) -> Vec<Point> {
+    let point = |row: &&Row| Point {
+        cost: row.spent.cost(conditions.backend),
+        error: row.error.bound(noise),
+    };
+    rows.iter().map(point).collect()
 }
 
 fn section(conditions: &Conditions, preset: &str, findings: &Findings) -> String {
     let (target, truth) = (&findings.target, &findings.truth);
-    let points = points(conditions, findings);
+    // Who leaves out a skip does so to measure it.
+    let is_choice = |row: &&Row| target.settings[row.setting].without.is_none();
+    let rows: Vec<&Row> = findings.rows.iter().filter(is_choice).collect();
+    let points = points(conditions, &rows, truth.noise);
     let mut text = format!(
         "\n## {preset}: {}\n\nTruth: `{}`, 2 halves of {} and {} samples; its own noise is {:.4}, FLIP between its halves {:.3}.\n\n",
         target.name(),
@@ -61,8 +111,8 @@ fn section(conditions: &Conditions, preset: &str, findings: &Findings) -> String
         truth.noise,
         truth.flip_between_halves,
     );
-    text += &best(findings, &points);
-    text += &dominated(findings, &points);
+    text += &best(findings, &rows, &points);
+    text += &dominated(findings, &rows, &points);
     text += &costs(conditions, findings);
     text
 }
@@ -72,7 +122,7 @@ fn setting_name(findings: &Findings, index: usize) -> String {
 }
 
 /// The Pareto-best setting for each wanted error.
-fn best(findings: &Findings, points: &[Point]) -> String {
+fn best(findings: &Findings, rows: &[&Row], points: &[Point]) -> String {
     let noise = findings.truth.noise;
     let mut text = String::from(
         "| error wanted | cheapest setting | samples | time | its error | its FLIP |\n| --- | --- | --- | --- | --- | --- |\n",
@@ -80,7 +130,7 @@ fn best(findings: &Findings, points: &[Point]) -> String {
     for wanted in WANTED {
         let line = match pareto::cheapest(points, wanted) {
             Some(index) => {
-                let row = &findings.rows[index];
+                let row = rows[index];
                 format!(
                     "{} | {} | {} | {} | {:.3}",
                     setting_name(findings, row.setting),
@@ -99,13 +149,15 @@ fn best(findings: &Findings, points: &[Point]) -> String {
 }
 
 /// Settings without a place on the Pareto front.
-fn dominated(findings: &Findings, points: &[Point]) -> String {
-    let settings = findings.target.settings.len();
+fn dominated(findings: &Findings, rows: &[&Row], points: &[Point]) -> String {
     let mut text = String::new();
     let mut missing = Vec::new();
-    for index in 0..settings {
+    for (index, setting) in findings.target.settings.iter().enumerate() {
+        if setting.without.is_some() {
+            continue;
+        }
         let group: Vec<usize> = (0..points.len())
-            .filter(|&row| findings.rows[row].setting == index)
+            .filter(|&row| rows[row].setting == index)
             .collect();
         if group.is_empty() {
             missing.push(setting_name(findings, index));
@@ -141,6 +193,7 @@ fn costs(conditions: &Conditions, findings: &Findings) -> String {
         let index = settings.position(|setting| {
             (setting.method, setting.sampler, setting.shadows) == (method, Sampler::Owen, true)
                 && setting.is_whole(&findings.target)
+                && setting.without.is_none()
         })?;
         let character = &findings.characters[index];
         Cost::new(method, character, conditions)
@@ -243,10 +296,12 @@ fn error(error: Known, noise: f64) -> String {
     }
 }
 
-fn seconds(seconds: f64) -> String {
-    if seconds < 1.0 {
-        format!("{:.0} ms", seconds * 1e3)
-    } else {
-        format!("{seconds:.1} s")
+/// A time as a human reads it.
+pub fn seconds(seconds: f64) -> String {
+    match seconds {
+        s if s < 1e-3 => format!("{:.0} µs", s * 1e6),
+        s if s < 0.01 => format!("{:.1} ms", s * 1e3),
+        s if s < 1.0 => format!("{:.0} ms", s * 1e3),
+        s => format!("{s:.1} s"),
     }
 }

@@ -66,7 +66,7 @@ impl Axis {
 
 /// A tick's number: short for large and small ones.
 pub fn label(value: f64) -> String {
-    if (1e-3..1e5).contains(&value) {
+    if value == 0.0 || (1e-3..1e5).contains(&value) {
         value.to_string()
     } else {
         format!("{value:e}")

@@ -1,0 +1,204 @@
+//! Measures how long the viewport has nothing to show of an edit: the render thread as the window drives it, with nobody
+//! looking but a stop watch.
+//!
+//! Every edit begins when nothing runs, as when a designer looks at the cloth and then changes something. So that the whole
+//! picture of the edit before needs not be waited for, which may take a minute, the window is made small between two edits
+//! until its picture is done: all that an edit can build on, the last scene and the cost of a sample, is there then.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+use anyhow::anyhow;
+use renderer_core::design::{CameraDesign, Design};
+use renderer_core::image::Display;
+use renderer_core::render::{Backend, Camera, RenderRequest};
+
+use super::render_thread::{Activity, RenderThread};
+use super::renderer::for_window;
+use super::{LiveLight, MakeBackend, Shot, Shown, Wish, workers};
+use crate::backend::BackendChoice;
+use crate::clock::{Spent, timed};
+
+/// How many times as wide and high the picture is during an edit as between two. No power of two, by which pictures are
+/// reduced for speed, so that nothing else has that size.
+const LARGER: u32 = 30;
+/// How often the stop watch looks.
+const LOOKING: Duration = Duration::from_micros(300);
+/// How long a backend works before it is asked again.
+const SLICE: Duration = Duration::from_millis(50);
+/// Longest wait for any one picture.
+const PATIENCE: Duration = Duration::from_secs(300);
+
+/// The first picture of an edit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FirstPicture {
+    /// From the wish to the picture.
+    pub spent: Spent,
+    /// Its width and height, pixels.
+    pub size: [u32; 2],
+}
+
+/// The render thread and what was wished last.
+pub struct Bystander {
+    thread: RenderThread,
+    /// What is wished, at full size.
+    wish: Wish,
+}
+
+impl Bystander {
+    /// Shows a design by its first camera, one sample a pixel, in a picture of so many pixels.
+    ///
+    /// # Errors
+    /// When the design has no camera.
+    pub fn new(
+        make: MakeBackend,
+        choice: BackendChoice,
+        design: &Design,
+        size: [u32; 2],
+    ) -> anyhow::Result<Self> {
+        let mut design = design.clone();
+        (design.quality.samples, design.quality.error) = (1, 0.0);
+        let camera = design.view.cameras.first().cloned();
+        let wish = Wish {
+            camera: camera.ok_or_else(|| anyhow!("the preset has no camera"))?,
+            size,
+            display: Display::from(&design.view),
+            design: Arc::new(design),
+            choice,
+            attempt: 0,
+            light: LiveLight::default(),
+        };
+        let thread = RenderThread::new(for_window(make, None), egui::Context::default());
+        Ok(Self { thread, wish })
+    }
+
+    /// What is wished.
+    pub fn design(&self) -> &Design {
+        &self.wish.design
+    }
+
+    /// Waits until nothing runs, and what is wished has been drawn small; false if time is up before.
+    ///
+    /// # Errors
+    /// When there is no such picture.
+    pub fn rest(&mut self, deadline: Instant) -> anyhow::Result<bool> {
+        let size = self.wish.size.map(|side| side.div_ceil(LARGER));
+        let small = Wish {
+            size,
+            ..self.wish.clone()
+        };
+        self.thread.send(small, false);
+        let is_drawn = |shown: &Shown| {
+            shown.activity == Activity::Idle && shown.progress.done && size_of(shown) == size
+        };
+        Ok(self.wait(deadline, is_drawn)?.is_some())
+    }
+
+    /// Edits the design; the first picture of that, or `None` if time is up before.
+    ///
+    /// # Errors
+    /// When there is no such picture.
+    pub fn edit(
+        &mut self,
+        deadline: Instant,
+        change: impl FnOnce(&mut Design),
+    ) -> anyhow::Result<Option<FirstPicture>> {
+        let mut design = Design::clone(&self.wish.design);
+        change(&mut design);
+        self.wish.design = Arc::new(design);
+        self.first(deadline)
+    }
+
+    /// Moves the camera; as [`Self::edit`].
+    ///
+    /// # Errors
+    /// As [`Self::edit`].
+    pub fn look(
+        &mut self,
+        deadline: Instant,
+        change: impl FnOnce(&mut CameraDesign),
+    ) -> anyhow::Result<Option<FirstPicture>> {
+        change(&mut self.wish.camera);
+        self.first(deadline)
+    }
+
+    fn first(&mut self, deadline: Instant) -> anyhow::Result<Option<FirstPicture>> {
+        let before = self.thread.shown().version;
+        let mut spent = Spent::zero();
+        let shown = timed(&mut spent, || {
+            self.thread.send(self.wish.clone(), false);
+            self.wait(deadline, |shown| shown.version > before)
+        })?;
+        Ok(shown.map(|shown| FirstPicture {
+            spent,
+            size: size_of(&shown),
+        }))
+    }
+
+    fn wait(
+        &self,
+        deadline: Instant,
+        is_there: impl Fn(&Shown) -> bool,
+    ) -> anyhow::Result<Option<Shown>> {
+        let start = Instant::now();
+        loop {
+            let shown = self.thread.shown();
+            if let Some(error) = shown.error {
+                return Err(anyhow!(error));
+            }
+            if is_there(&shown) {
+                return Ok(Some(shown));
+            }
+            if Instant::now() >= deadline || start.elapsed() > PATIENCE {
+                return Ok(None);
+            }
+            std::thread::sleep(LOOKING);
+        }
+    }
+
+    /// One sample of every pixel of the picture wished, by a backend of its own on the threads that draw for the window.
+    /// `None` if time is up before.
+    ///
+    /// # Errors
+    /// When the backend fails or nothing was shown yet.
+    pub fn whole_sample(
+        &self,
+        backend: &mut dyn Backend,
+        seed: u32,
+        deadline: Instant,
+    ) -> anyhow::Result<Option<Spent>> {
+        let scene = self.thread.shown().scene;
+        let size = self.wish.size;
+        let mut settings = self.wish.light.settings(&self.wish.design);
+        settings.seed = seed;
+        let request = RenderRequest {
+            scene: scene.ok_or_else(|| anyhow!("nothing was shown"))?,
+            camera: Camera::from_design(&self.wish.camera),
+            size,
+            crop: [0, 0, size[0], size[1]],
+            settings,
+        };
+        workers::with_all(|| backend.begin(&request))?;
+        let never = AtomicBool::new(false);
+        let mut spent = Spent::zero();
+        loop {
+            let advance = || workers::with_all(|| backend.advance(SLICE, &never));
+            if timed(&mut spent, advance)?.done {
+                return Ok(Some(spent));
+            }
+            if Instant::now() >= deadline {
+                return Ok(None);
+            }
+        }
+    }
+}
+
+/// Width and height of the picture shown, pixels.
+fn size_of(shown: &Shown) -> [u32; 2] {
+    match &shown.image {
+        Some(Shot::Pixels(image)) => image.size.map(|side| side as u32),
+        Some(Shot::Texture(texture)) => [texture.width(), texture.height()],
+        None => [0, 0],
+    }
+}

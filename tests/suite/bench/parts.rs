@@ -1,0 +1,476 @@
+//! What `bench` measures besides run time against error: each part's table at a tiny size, and what it rests on.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+use std::time::Duration;
+
+use renderer_core::cpu::CpuBackend;
+use renderer_core::design::{Design, Method};
+use renderer_core::render::{Backend, BackendKind, Skip};
+use renderer_core::scene::{Compiler, SECTIONS, compile};
+use towel_designer::cli::bench::costs::{Cost, largest};
+use towel_designer::cli::bench::first_picture::{Edit, FirstPictures, camera, edit};
+use towel_designer::cli::bench::growth::grown;
+use towel_designer::cli::bench::parts::{Part, chosen, share_of_first};
+use towel_designer::cli::bench::plot::{Bar, Bars, Curve, Curves, Figure, Limit};
+use towel_designer::cli::bench::skips::{
+    Difference, Switch, counter_of, drawing_skips, switch_of, verdict,
+};
+use towel_designer::cli::bench::{Measured, first_picture, summary};
+use towel_designer::clock::Spent;
+use towel_designer::designer::first_picture::FirstPicture;
+
+use super::{conditions, folder, names, parse_csv, run, texts};
+use crate::support::device::finish;
+use crate::support::scenes::{preset_path, request, small_towel};
+
+/// A table: its header, and its rows by the names of columns.
+struct Table {
+    header: Vec<String>,
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    fn read(path: &Path) -> Self {
+        let (header, rows) = parse_csv(&fs::read_to_string(path).unwrap());
+        assert!(!rows.is_empty(), "{}", path.display());
+        for row in &rows {
+            assert_eq!(row.len(), header.len(), "{}: {row:?}", path.display());
+        }
+        Self { header, rows }
+    }
+
+    fn column(&self, name: &str) -> Vec<&str> {
+        let index = self.header.iter().position(|header| header == name);
+        let index = index.unwrap_or_else(|| panic!("{name}: {:?}", self.header));
+        self.rows.iter().map(|row| &*row[index]).collect()
+    }
+
+    fn numbers(&self, name: &str) -> Vec<f64> {
+        let texts = self.column(name).into_iter();
+        texts
+            .map(|text| text.parse().unwrap_or_else(|_| panic!("{name}: {text:?}")))
+            .collect()
+    }
+}
+
+#[test]
+fn every_part_writes_its_table_and_plots() {
+    let folder = folder();
+    let out = folder.path().join("out");
+    let output = run(
+        folder.path(),
+        &[
+            "bench",
+            "plain.toml",
+            "-o",
+            "out",
+            "--what",
+            "costs,skips,backends,growth,first-picture",
+            "--size",
+            "24x20",
+            "--window",
+            "64x48",
+            "--budget",
+            "12",
+            "--backend",
+            "cpu",
+        ],
+    );
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{errors}");
+    let mut expected: Vec<String> = [
+        "backends",
+        "costs",
+        "first-picture",
+        "growth",
+        "memory",
+        "pixels",
+        "skips",
+    ]
+    .iter()
+    .flat_map(|plot| [format!("plain-{plot}.png"), format!("plain-{plot}.svg")])
+    .collect();
+    let tables = ["backends", "costs", "first-picture", "growth", "skips"];
+    expected.extend(tables.map(|table| format!("{table}.csv")));
+    expected.push("summary.md".into());
+    expected.sort();
+    assert_eq!(names(&out), expected);
+
+    skips_are_compared(&Table::read(&out.join("skips.csv")));
+    backends_are_compared(&Table::read(&out.join("backends.csv")));
+    growth_is_told(&Table::read(&out.join("growth.csv")));
+
+    let first = Table::read(&out.join("first-picture.csv"));
+    let edits: BTreeSet<&str> = first.column("edit").into_iter().collect();
+    assert_eq!(edits, Edit::ALL.map(Edit::name).into_iter().collect());
+    for name in ["clock time [s]", "whole sample clock time [s]"] {
+        assert!(first.numbers(name).iter().all(|time| *time > 0.0));
+    }
+    let widths = first.numbers("picture width [px]");
+    assert!(widths.iter().all(|width| (1.0..=64.0).contains(width)));
+
+    let costs = Table::read(&out.join("costs.csv"));
+    let shares = costs.numbers("share");
+    assert!(
+        (shares.iter().sum::<f64>() - 1.0).abs() < 1e-4,
+        "{shares:?}"
+    );
+    for stage in ["frames", "grid", "upload", "camera rays", "shadow rays"] {
+        assert!(costs.column("stage").contains(&stage), "{stage}");
+    }
+    // The preset's light scatters once.
+    let further = costs.column("stage").into_iter();
+    let further = further
+        .zip(&shares)
+        .find(|(stage, _)| *stage == "further bounces");
+    assert_eq!(further, Some(("further bounces", &0.0)));
+    let most = (0..shares.len()).max_by(|&a, &b| shares[a].total_cmp(&shares[b]));
+    let most = costs.column("stage")[most.unwrap()];
+
+    let printed = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(printed, fs::read_to_string(out.join("summary.md")).unwrap());
+    for part in [
+        &*format!("plain: the largest remaining cost is **{most}**"),
+        "## plain: with and without each skip",
+        "| `idle` | not measured: it has no switch",
+        "## plain: each backend",
+        "## plain: growth",
+        "## plain: from an edit to its first picture",
+        "One sample of all 64 × 48 pixels",
+    ] {
+        assert!(printed.contains(part), "{part}: {printed}");
+    }
+    assert!(!printed.contains("relRMSE against"), "{printed}");
+}
+
+fn skips_are_compared(table: &Table) {
+    assert_eq!(table.column("skip"), Skip::ALL.map(Skip::name));
+    let column = |name| table.column(name);
+    let (measured, difference) = (
+        column("measured"),
+        column("difference of pictures [relRMSE]"),
+    );
+    let counted = [column("counted with"), column("counted without")];
+    for (row, skip) in Skip::ALL.into_iter().enumerate() {
+        let found = measured[row];
+        match skip {
+            Skip::Idle => assert!(found.contains("switch"), "{found}"),
+            // There is no Vulkan in this test.
+            Skip::HiddenGround | Skip::UnusedShading => {
+                assert!(found.starts_with("no: GPU alone"), "{skip}: {found}");
+            }
+            _ => {
+                assert_eq!(found, "yes", "{skip}");
+                let [with, without] = [0, 1].map(|side| counted[side][row].parse::<u64>().unwrap());
+                assert!(with >= without, "{skip}: {with} {without}");
+                // Single, one scattering: but for rounding and the last of the light the samples are the same, and tiles that
+                // end at an error are what noise is about.
+                let difference: f64 = difference[row].parse().unwrap();
+                let is_exact = !matches!(skip, Skip::ConvergedTiles);
+                assert!(!is_exact || difference < 1e-3, "{skip}: {difference}");
+            }
+        }
+    }
+    let of = |skip: Skip, name: &str| {
+        let row = Skip::ALL.iter().position(|other| *other == skip).unwrap();
+        table.column(name)[row].parse::<f64>().unwrap()
+    };
+    for skip in [Skip::EmptyCells, Skip::RepeatedTests, Skip::OpaqueRays] {
+        assert!(of(skip, "counted with") > 0.0 && of(skip, "counted without") == 0.0);
+    }
+    assert!(of(Skip::EmptyCells, "patch tests with") < of(Skip::EmptyCells, "patch tests without"));
+    assert_eq!(of(Skip::UnplantedLoops, "counted without"), 0.0);
+}
+
+fn backends_are_compared(table: &Table) {
+    assert_eq!(table.column("backend"), ["cpu", "reference", "gpu"]);
+    let measured = table.column("measured");
+    assert_eq!([measured[0], measured[1]], ["yes", "yes"]);
+    assert!(measured[2].contains("mesa-vulkan-drivers"), "{measured:?}");
+    let rays = table.column("rays [1/sample]");
+    assert!(rays[0].parse::<f64>().unwrap() >= 1.0 && rays[2].is_empty());
+}
+
+fn growth_is_told(table: &Table) {
+    let grows = table.column("grows");
+    let loops: Vec<f64> = (table.column("loops").into_iter())
+        .filter_map(|text| text.parse().ok())
+        .collect();
+    let pixels = grows.iter().filter(|grows| **grows == "pixels").count();
+    assert!(!loops.is_empty() && pixels > 0, "{grows:?}");
+    assert_eq!(loops.len() + pixels, grows.len());
+    for (loops, wanted) in loops.iter().zip([1e3, 1e4, 1e5, 1e6]) {
+        assert!((loops / wanted - 1.0_f64).abs() < 0.1, "{loops} {wanted}");
+    }
+    for name in [
+        "compile [µs/loop]",
+        "patch tests [1/ray]",
+        "shapes looks lists and bounds [bytes/loop]",
+    ] {
+        let told = table.column(name).into_iter();
+        let told: Vec<f64> = told.filter_map(|text| text.parse().ok()).collect();
+        assert_eq!(told.len(), loops.len(), "{name}");
+        assert!(told.iter().all(|value| *value > 0.0), "{name}: {told:?}");
+    }
+}
+
+#[test]
+fn parts_are_measured_once_and_share_all_of_the_time() {
+    assert_eq!(chosen(&[]), Part::ALL);
+    let some = [Part::Growth, Part::Errors, Part::Growth];
+    assert_eq!(chosen(&some), [Part::Errors, Part::Growth]);
+    let mut left = 1.0;
+    for first in 0..Part::ALL.len() {
+        let share = left * share_of_first(&Part::ALL[first..]);
+        assert!(share > 0.0 && share <= left);
+        left -= share;
+    }
+    assert!(left.abs() < 1e-12);
+    assert_eq!(share_of_first(&[]), 0.0);
+}
+
+#[test]
+fn skips_have_their_switch_where_the_bench_says() {
+    for method in [Method::Single, Method::Layered] {
+        let mut design: Design =
+            towel_designer::files::load_design(&preset_path("paper-fig12")).unwrap();
+        (design.quality.method, design.quality.samples) = (method, 1);
+        // From so far that there are tiles of background.
+        design.view.cameras[0].distance *= 1.5;
+        let with = {
+            let mut request = request(&design, [96, 80]);
+            request.settings.counters = true;
+            request
+        };
+        let listed = drawing_skips(BackendKind::Cpu, method);
+        for skip in Skip::ALL {
+            let counters = [with.settings.skips, with.settings.skips.without(skip)].map(|skips| {
+                let mut request = with.clone();
+                request.settings.skips = skips;
+                let mut cpu = CpuBackend::default();
+                finish(&mut cpu, &request);
+                cpu.counters().unwrap()
+            });
+            let moves = counters[0] != counters[1];
+            assert_eq!(moves, listed.contains(&skip), "{skip}: {counters:?}");
+        }
+    }
+    // Who draws plainly on the processor leaves out nothing within a tile.
+    let plain = drawing_skips(BackendKind::Cpu, Method::Exact);
+    assert_eq!(plain, drawing_skips(BackendKind::Reference, Method::Single));
+    assert_eq!(plain, [Skip::BackgroundTiles]);
+    let gpu = drawing_skips(BackendKind::Gpu, Method::Tracked);
+    assert!(gpu.contains(&Skip::UnusedShading) && !gpu.contains(&Skip::RepeatedTests));
+    let compiled = switch_of(Skip::UnplantedLoops, BackendKind::Gpu, Method::Single);
+    assert_eq!(compiled, Switch::Compiling);
+    // Every skip but two can be told by a number.
+    let without = Skip::ALL.map(|skip| counter_of(skip, &Default::default()));
+    assert_eq!(
+        without.iter().filter(|counter| counter.is_none()).count(),
+        2
+    );
+}
+
+#[test]
+fn differences_are_judged_by_what_two_seeds_differ() {
+    let of = |rel_rmse| {
+        verdict(&Difference {
+            rel_rmse,
+            largest: 0.0,
+            between_seeds: 0.2,
+        })
+    };
+    assert_eq!(of(0.0), "none");
+    assert_eq!(of(2e-6), "rounding, 2e-6");
+    assert_eq!(of(0.002), "2.00e-3, 1.00 % of that of two seeds");
+    assert!(of(0.2).ends_with("no less than that of two seeds"));
+}
+
+#[test]
+fn a_grown_sheet_fills_the_same_share_of_the_picture() {
+    let mut design = small_towel();
+    design.view.cameras[0].target = [3.0, -2.0, 1.0];
+    design.view.cameras[0].orthographic_height = Some(40.0);
+    let large = grown(&design, 3.0);
+    assert_eq!(large.sheet.warps, 3 * design.sheet.warps);
+    assert_eq!(large.sheet.wefts, 3 * design.sheet.wefts);
+    let camera = &large.view.cameras[0];
+    assert_eq!(camera.target, [9.0, -6.0, 3.0]);
+    assert_eq!(camera.distance, 3.0 * design.view.cameras[0].distance);
+    assert_eq!(camera.orthographic_height, Some(120.0));
+    assert_eq!(large.pile, design.pile);
+    let planted = |design| compile(design).unwrap().loops.counts.planted;
+    // But for what its borders cut off of the pattern.
+    let times = planted(&large) as f64 / planted(&design) as f64;
+    assert!((8.0..10.0).contains(&times), "{times}");
+    // A small one is still a sheet.
+    let small = grown(&design, 0.05);
+    assert!(small.faults().is_empty() && small.sheet.wefts >= 1);
+}
+
+#[test]
+fn every_edit_changes_what_it_is_called_after_and_is_taken_back() {
+    for preset in ["paper-fig1", "harbour-stripe", "peer-towel"] {
+        let path = preset_path(preset);
+        let mut original = towel_designer::files::load_design(&path).unwrap();
+        (original.sheet.warps, original.sheet.wefts) = (16, 14);
+        let first = &original.view.cameras[0];
+        assert_ne!(camera(first, true), *first);
+        assert_eq!(camera(first, false), *first);
+        for kind in Edit::ALL {
+            let mut compiler = Compiler::default();
+            let before = compiler.compile(&original).unwrap();
+            let mut design = original.clone();
+            edit(&mut design, kind, &original, true);
+            assert!(design.faults().is_empty(), "{preset}, {}", kind.name());
+            let after = compiler.compile(&design).unwrap();
+            let same = after.same_sections(&before);
+            let changed = |name| !same[SECTIONS.iter().position(|s| *s == name).unwrap()];
+            let expected = match kind {
+                Edit::Camera => None,
+                Edit::Light => Some("lights"),
+                // With a chart on all of the cloth its own colour cannot be seen.
+                Edit::Colour if original.chart.pixels.is_some() => None,
+                Edit::Colour | Edit::Chart => Some("looks"),
+                Edit::Length | Edit::Turbulence | Edit::Pattern => Some("loops"),
+            };
+            if let Some(section) = expected {
+                assert!(changed(section), "{preset}, {}: {same:?}", kind.name());
+            } else {
+                assert!(kind == Edit::Camera || kind == Edit::Colour);
+            }
+            edit(&mut design, kind, &original, false);
+            assert_eq!(design, original, "{preset}, {}", kind.name());
+        }
+    }
+}
+
+/// First pictures that take so long, against whole samples of 2 s.
+fn first_pictures(list: &[(Edit, f64)]) -> FirstPictures {
+    let spent = |seconds: f64| Spent {
+        wall: Duration::from_secs_f64(seconds),
+        processor: None,
+    };
+    let picture = |seconds| FirstPicture {
+        spent: spent(seconds),
+        size: [4, 3],
+    };
+    FirstPictures {
+        window: [8, 6],
+        edits: (list.iter())
+            .map(|&(edit, seconds)| (edit, vec![picture(seconds); 3]))
+            .collect(),
+        whole: vec![spent(9.0), spent(2.0), spent(1.0)],
+        is_partial: false,
+    }
+}
+
+#[test]
+fn the_summary_names_late_pictures_and_the_largest_cost() {
+    let cost = |stage, seconds, share| Cost {
+        stage,
+        seconds,
+        share,
+    };
+    let costs = vec![cost("grid", 0.1, 0.1), cost("shadow rays", 0.9, 0.9)];
+    assert_eq!(largest(&costs).unwrap().stage, "shadow rays");
+    let measured = Measured {
+        name: "made-up".into(),
+        first_pictures: Some(first_pictures(&[(Edit::Light, 0.1), (Edit::Chart, 0.3)])),
+        costs,
+        ..Measured::default()
+    };
+    let text = summary::write(&conditions(), &[measured]);
+    for part in [
+        "made-up: the largest remaining cost is **shadow rays**: 90 % of the time",
+        "| light | 100 ms | 4 × 3 | – | 0.050 | – | 3 |",
+        "| chart | 300 ms | 4 × 3 | – | 0.150 | – | 3 |",
+        "Later than that by one clock at least: chart.",
+    ] {
+        assert!(text.contains(part), "{part}\n{text}");
+    }
+    let text = first_picture::section(&first_pictures(&[(Edit::Light, 0.2)]));
+    assert!(text.contains("every edit is seen within"), "{text}");
+    let nothing = first_picture::section(&FirstPictures::default());
+    assert!(nothing.contains("before there was one sample"), "{nothing}");
+}
+
+/// Whether all of a plot's text has its anchor inside, and no two lines of it share a place.
+fn assert_can_be_read(figure: &impl Figure) -> Vec<String> {
+    let texts = texts(&figure.svg().unwrap());
+    for (index, (x, y, text)) in texts.iter().enumerate() {
+        assert!(
+            (0.0..960.0).contains(x) && (0.0..600.0).contains(y),
+            "{text}"
+        );
+        for (other_x, other_y, other) in &texts[..index] {
+            let apart = (x - other_x).abs().max((y - other_y).abs());
+            assert!(apart >= 12.0, "{text} on {other}");
+        }
+    }
+    let png = image::load_from_memory(&figure.png().unwrap()).unwrap();
+    assert_eq!((png.width(), png.height()), (1920, 1200));
+    texts.into_iter().map(|(.., text)| text).collect()
+}
+
+#[test]
+fn bars_and_curves_of_any_range_can_be_read() {
+    let bars = |values: &[Option<f64>], limit| Bars {
+        title: "made-up".into(),
+        under: "test".into(),
+        axis: "time [ms]".into(),
+        bars: (values.iter().enumerate())
+            .map(|(index, value)| Bar {
+                name: format!("bar {index}"),
+                value: *value,
+                text: format!("number {index}"),
+            })
+            .collect(),
+        limit,
+        cut: Some(50.0),
+    };
+    for values in [
+        &[Some(3e-6), Some(0.0), None][..],
+        &[Some(12345.0); 12],
+        &[Some(f64::NAN), Some(1.0)],
+        &[],
+    ] {
+        let found = assert_can_be_read(&bars(values, Some((1.0, "limit".into()))));
+        assert!(found.contains(&"limit".into()));
+        for index in 0..values.len() {
+            assert!(found.contains(&format!("number {index}")), "{found:?}");
+        }
+        // Zero, and something beside it.
+        let numbers = found.iter().filter(|text| text.parse::<f64>().is_ok());
+        assert!(numbers.count() >= 2, "{found:?}");
+    }
+    for points in [
+        vec![],
+        vec![[1e3, 0.01]],
+        (0..8)
+            .map(|k| [10.0_f64.powi(k), 0.0_f64.max(f64::from(k) - 1.0)])
+            .collect(),
+    ] {
+        let curve = |name: &str| Curve {
+            name: name.into(),
+            points: points.clone(),
+        };
+        let curves = Curves {
+            title: "made-up".into(),
+            under: "test".into(),
+            axes: ["loops".into(), "time [s]".into()],
+            curves: vec![curve("one"), curve("two")],
+            limit: Some(Limit {
+                name: "bound".into(),
+                value: 64.0,
+            }),
+            notes: vec!["a note".into()],
+        };
+        let found = assert_can_be_read(&curves);
+        for text in ["one", "two", "bound", "a note", "loops", "time [s]"] {
+            assert!(found.contains(&text.into()), "{text}: {found:?}");
+        }
+    }
+}

@@ -328,6 +328,7 @@ fn stats_say_what_was_done() {
     bench.ok(&[&common[..], &["--stats", "counted.json", "--counters"]].concat());
     let counters = &bench.json("counted.json")["counters"];
     let names = [
+        "cached_rays",
         "cells",
         "contributing_hits",
         "converged_tiles",

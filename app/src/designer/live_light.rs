@@ -4,7 +4,7 @@ use renderer_core::design::Design;
 use renderer_core::render::Settings;
 
 /// First samples whose shadows neighbouring points share: later ones outweigh them after a second or two.
-const CACHED_SHADOWS: u32 = 8;
+pub const CACHED_SHADOWS: u32 = 8;
 
 /// How the viewport gets the light of many bounces, and shadows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

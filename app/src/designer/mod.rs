@@ -59,7 +59,7 @@ use renderer_core::render::MAX_SIDE;
 pub use command::Command;
 pub use document::Document;
 pub use folders::Folders;
-pub use live_light::LiveLight;
+pub use live_light::{CACHED_SHADOWS, LiveLight};
 pub use render_thread::{Activity, Hurry, Shown, Wish};
 pub use renderer::{MakeBackend, Shot};
 pub use reopen::{Shelf, run};

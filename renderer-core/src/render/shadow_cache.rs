@@ -146,11 +146,13 @@ impl ShadowGrid {
     }
 }
 
-/// What of a request a cache depends on: the cloth, its lights, and how its rays see.
+/// What of a request a cache depends on: the cloth, its lights, how rays see, and the seed, since pictures of several seeds are
+/// to be independent.
 #[derive(Debug, Clone)]
 pub struct ShadowKey {
     scene: Arc<Scene>,
     method: Method,
+    seed: u32,
     /// The texels.
     pub grid: ShadowGrid,
 }
@@ -162,6 +164,7 @@ impl ShadowKey {
         request.settings.caches_shadows(0).then(|| Self {
             scene: Arc::clone(&request.scene),
             method: request.settings.method,
+            seed: request.settings.seed,
             grid: ShadowGrid::new(&request.scene, pixel_mm),
         })
     }
@@ -169,6 +172,7 @@ impl ShadowKey {
     /// Whether what has been learned for one holds for the other.
     pub fn is_same(&self, other: &Self) -> bool {
         self.method == other.method
+            && self.seed == other.seed
             && self.grid == other.grid
             && self.scene.has_same_shadows(&other.scene)
     }

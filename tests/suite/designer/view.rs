@@ -684,11 +684,18 @@ fn fast_light_is_offered_only_where_it_means_something() {
     assert!(harness.query_by_label(label).is_some());
     open_panel(&mut harness, "View & quality");
     type_number(&mut harness, "Bounces", "1");
-    assert!(harness.query_by_label(label).is_none(), "one bounce");
+    assert!(harness.query_by_label(label).is_some(), "soft shadows");
+    click(&mut harness, "Shadows");
+    assert!(
+        harness.query_by_label(label).is_none(),
+        "one bounce, no shadows"
+    );
+    click(&mut harness, "Shadows");
     type_number(&mut harness, "Bounces", "8");
-    assert!(harness.query_by_label(label).is_some());
     open_panel(&mut harness, "More about quality");
     type_number(&mut harness, "Traced bounces", "2");
+    assert!(harness.query_by_label(label).is_some());
+    type_number(&mut harness, "Cached shadows", "3");
     assert!(harness.query_by_label(label).is_none(), "the design says");
 }
 

@@ -7,7 +7,7 @@ use super::measure::{Findings, Row};
 use super::truth::Known;
 use super::{Conditions, Measured};
 
-const HEADER: &str = "preset,backend,width [px],height [px],bounces,method,sampler,shadows,setting bounces,traced bounces,without skip,samples [1/px],\
+const HEADER: &str = "preset,backend,width [px],height [px],bounces,method,sampler,shadows,setting bounces,traced bounces,cached shadows,without skip,samples [1/px],\
     clock time [s],processor time [s],error [relRMSE],error is below the truth's noise,measured error [relRMSE],\
     estimated noise [relRMSE],FLIP [0 to 1],rounds,truth's noise [relRMSE],FLIP between the truth's halves [0 to 1],\
     rays [1/sample],shadow rays [1/sample],cells [1/ray],patch tests [1/ray],volume samples [1/ray]";
@@ -49,6 +49,7 @@ fn line(conditions: &Conditions, preset: &str, findings: &Findings, row: &Row) -
         setting.shadows.to_string(),
         setting.bounces.to_string(),
         setting.traced_bounces.to_string(),
+        setting.cached_shadows.to_string(),
         setting
             .without
             .map_or_else(String::new, |skip| skip.to_string()),

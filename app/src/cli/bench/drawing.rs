@@ -36,15 +36,17 @@ pub fn draw(
     request: &RenderRequest,
     deadline: Option<Instant>,
 ) -> anyhow::Result<Option<Drawn>> {
-    let [mut upload, mut samples] = [Spent::zero(); 2];
-    timed(&mut upload, || backend.begin(request))?;
+    let [mut upload, mut pipelines, mut samples] = [Spent::zero(); 3];
+    timed(&mut upload, || backend.begin_soon(request))?;
+    // The same request again: only waits for what it needs.
+    timed(&mut pipelines, || backend.begin(request))?;
     let never = AtomicBool::new(false);
     loop {
         let progress = timed(&mut samples, || backend.advance(SLICE, &never))?;
         if progress.done {
             return Ok(Some(Drawn {
                 upload,
-                pipelines: backend.pipeline_time(),
+                pipelines: pipelines.wall,
                 samples,
                 estimate: progress.error_estimate,
             }));

@@ -148,6 +148,7 @@ impl Subject {
                 shadows: setting.shadows,
                 bounces: setting.bounces,
                 traced_bounces: setting.traced_bounces,
+                cached_shadows: setting.cached_shadows,
                 skips: match setting.without {
                     Some(skip) => Skips::ALL.without(skip),
                     None => Skips::ALL,
@@ -173,6 +174,7 @@ impl Subject {
                 shadows: true,
                 bounces: 1,
                 traced_bounces: 0,
+                cached_shadows: 0,
                 without: None,
             };
             match backend.begin(&self.request(&setting, 0)?) {
@@ -369,7 +371,10 @@ fn take_turn(
 
 /// Whether two settings do the same work for a sample, but for chance.
 fn works_like(a: &Setting, b: &Setting) -> bool {
-    let kind = |s: &Setting| (s.method, s.shadows, s.bounces, s.traced_bounces, s.without);
+    let kind = |s: &Setting| Setting {
+        sampler: a.sampler,
+        ..*s
+    };
     kind(a) == kind(b)
 }
 

@@ -6,6 +6,8 @@
 use renderer_core::design::{Method, Quality, Sampler};
 use renderer_core::render::Skip;
 
+use crate::designer::CACHED_SHADOWS;
+
 /// The method that makes the truth. It has no step and no bias, nothing but noise, and that noise falls some three times
 /// as fast as that of `exact`, which differs from it by its step alone: the table of costs tells by how much.
 pub const TRUTH: Method = Method::Tracked;
@@ -23,6 +25,8 @@ pub struct Setting {
     pub bounces: u32,
     /// Scatterings after which the light of further ones is estimated, not traced; 0 traces all.
     pub traced_bounces: u32,
+    /// First samples whose shadows neighbouring points share.
+    pub cached_shadows: u32,
     /// Work that is done though it cannot be seen, to show what leaving it out is worth: no choice of users.
     pub without: Option<Skip>,
 }
@@ -43,12 +47,16 @@ impl Setting {
             0 => String::new(),
             traced => format!(", traced_bounces = {traced}"),
         };
+        let cached = match self.cached_shadows {
+            0 => String::new(),
+            cached => format!(", cached_shadows = {cached}"),
+        };
         let without = match self.without {
             None => String::new(),
             Some(skip) => format!(", without {skip}"),
         };
         format!(
-            "{}, {sampler}{shadows}{bounces}{traced}{without}",
+            "{}, {sampler}{shadows}{bounces}{traced}{cached}{without}",
             self.method.name()
         )
     }
@@ -64,6 +72,7 @@ impl Setting {
             // A yardstick, and no choice.
             _ if self.method == Method::SixFace => 0.5,
             _ if self.without.is_some() => 1.0,
+            _ if self.cached_shadows > 0 => 2.0,
             (Sampler::Owen, true) => 4.0,
             (Sampler::Random, true) => 1.0,
             // The error soon stops falling.
@@ -116,6 +125,7 @@ pub fn targets(quality: &Quality, methods: &[Method], skips: &[Skip]) -> Vec<Tar
             shadows,
             bounces: 1,
             traced_bounces: 0,
+            cached_shadows: 0,
             without: None,
         }));
     }
@@ -123,6 +133,10 @@ pub fn targets(quality: &Quality, methods: &[Method], skips: &[Skip]) -> Vec<Tar
         .iter()
         .find(|setting| setting.method == quality.method);
     if let Some(&whole) = whole {
+        direct.push(Setting {
+            cached_shadows: CACHED_SHADOWS,
+            ..whole
+        });
         direct.extend(skips.iter().map(|&skip| Setting {
             without: Some(skip),
             ..whole
@@ -152,6 +166,7 @@ fn all_of_the_light(bounces: u32) -> Vec<Setting> {
         shadows: true,
         bounces,
         traced_bounces,
+        cached_shadows: 0,
         without: None,
     };
     vec![

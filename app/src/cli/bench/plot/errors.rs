@@ -68,6 +68,7 @@ fn look_of(setting: &Setting, target: &Target) -> (RGBColor, Marker) {
         return (colour, MARKERS[1 + index % (MARKERS.len() - 1)]);
     }
     match setting.method {
+        _ if setting.cached_shadows > 0 => (RGBColor(120, 94, 240), Marker::Diamond),
         _ if setting.bounces < target.bounces => (RGBColor(70, 70, 70), Marker::Diamond),
         Method::Tracked if setting.traced_bounces > 0 => (RGBColor(86, 180, 233), Marker::Square),
         _ if setting.traced_bounces > 0 => (RGBColor(0, 158, 115), Marker::Up),
@@ -85,7 +86,9 @@ fn title_of(setting: &Setting, target: &Target) -> String {
     if let Some(skip) = setting.without {
         return format!("without {skip}");
     }
-    if setting.bounces < target.bounces {
+    if setting.cached_shadows > 0 {
+        format!("{method}, {} cached", setting.cached_shadows)
+    } else if setting.bounces < target.bounces {
         format!("{method}, bounces = {}", setting.bounces)
     } else if setting.traced_bounces > 0 {
         format!("{method}, {} traced", setting.traced_bounces)

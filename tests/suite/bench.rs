@@ -416,7 +416,8 @@ fn the_plan_has_every_method_and_more_scatterings_where_the_preset_has() {
     };
     let direct = &targets(&quality(1), Method::ALL, &[])[..];
     assert_eq!(direct.len(), 1);
-    assert_eq!(direct[0].settings.len(), 4 * Method::ALL.len());
+    // And the preset's own method with shared shadows.
+    assert_eq!(direct[0].settings.len(), 4 * Method::ALL.len() + 1);
     assert!(
         direct[0]
             .settings
@@ -425,7 +426,7 @@ fn the_plan_has_every_method_and_more_scatterings_where_the_preset_has() {
     );
     let both = targets(&quality(9), &[Method::Single, Method::Tracked], &[]);
     assert_eq!((both[0].bounces, both[1].bounces), (1, 9));
-    assert_eq!(both[0].settings.len(), 8);
+    assert_eq!(both[0].settings.len(), 9);
     assert!((both[0].share + both[1].share - 1.0).abs() < 1e-12);
     // What is left is shared by weight, and the last takes all.
     let settings = &both[0].settings;

@@ -249,6 +249,8 @@ impl Yarn {
             SkeletonHeight::Winding => self.crimp * self.over[1],
             SkeletonHeight::Paper => 0.0,
         };
+        // Outwards from both: of a yarn that stays above the sheet, both are above it.
+        let slack = rise.abs() * (room - 1.0);
         let level = self.over == [self.over[1]; 3];
         let (low, high) = if level && form == SkeletonHeight::Winding {
             (rise, rise)
@@ -264,8 +266,8 @@ impl Yarn {
         .clip(
             point.z,
             direction.z,
-            low * room - reach,
-            high * room + reach,
+            low - slack - reach,
+            high + slack + reach,
         )
     }
 

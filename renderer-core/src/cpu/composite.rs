@@ -65,7 +65,8 @@ impl Tracer {
                 part[0] as f32,
                 scratch,
                 |event, pending| {
-                    let behind = pending.iter().rposition(|other| other.t >= event.t);
+                    // Of equals, all those that the ray's origin lies in, the first found is the nearest.
+                    let behind = pending.iter().rposition(|other| other.t > event.t);
                     pending.insert(behind.map_or(0, |at| at + 1), event);
                 },
             );

@@ -39,8 +39,6 @@ impl GpuContext {
             label: Some("towel designer"),
             required_features: wanted_features(&adapter),
             required_limits: adapter.limits(),
-            // Some dozens of buffers need no large blocks of memory, of which a small rest would keep all.
-            memory_hints: wgpu::MemoryHints::MemoryUsage,
             ..Default::default()
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))

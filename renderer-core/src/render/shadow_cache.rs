@@ -15,7 +15,9 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use bytemuck::Zeroable;
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::RenderRequest;
 use super::background::z_range_mm;
@@ -41,6 +43,8 @@ pub const ENOUGH_RAYS: u32 = 16;
 pub const ALL_RAYS: u32 = 128;
 /// That share.
 pub const TRACED_SHARE: f32 = 0.25;
+/// Entries that a thread goes through at a time.
+const SETTLED_AT_A_TIME: usize = 1 << 16;
 /// Steps of a sum from 0 to 1; 4 million rays fit a sum.
 pub const SUM_STEPS: f64 = 1024.0;
 /// Steps of a mean from 0 to 1.
@@ -179,7 +183,8 @@ impl ShadowKey {
 }
 
 /// What rays towards one light have seen from one texel.
-#[derive(Debug, Default)]
+#[derive(Debug, Zeroable)]
+#[repr(C)]
 struct Sums {
     rays: AtomicU32,
     direct: AtomicU32,
@@ -199,11 +204,12 @@ impl ShadowCache {
     /// Knows nothing yet.
     pub fn new(key: ShadowKey) -> Self {
         let entries = key.grid.entries();
-        let mut means = Vec::new();
-        means.resize_with(entries, AtomicU32::default);
-        let mut sums = Vec::new();
-        sums.resize_with(entries, Sums::default);
-        Self { key, means, sums }
+        // Zeros from the system cost nothing before they are touched: every edit of the cloth begins with a new cache.
+        Self {
+            key,
+            means: bytemuck::zeroed_vec(entries),
+            sums: bytemuck::zeroed_vec(entries),
+        }
     }
 
     /// What it was made for.
@@ -236,18 +242,22 @@ impl ShadowCache {
 
     /// Makes what has been learned known: between two samples of a picture.
     pub fn settle(&self) {
-        for (mean, sums) in self.means.iter().zip(&self.sums) {
-            let rays = sums.rays.load(Ordering::Relaxed);
-            if rays >= ENOUGH_RAYS && mean.load(Ordering::Relaxed) & FINAL == 0 {
-                let scale = MEAN_STEPS / (SUM_STEPS * f64::from(rays));
-                let of =
-                    |sum: &AtomicU32| (f64::from(sum.load(Ordering::Relaxed)) * scale + 0.5) as u32;
-                // What comes by bounces is never nothing, so that known means are not 0.
-                let both = of(&sums.direct) | of(&sums.even).max(1) << 15;
-                let mark = if rays >= ALL_RAYS { FINAL } else { 0 };
-                mean.store(both | mark, Ordering::Relaxed);
-            }
-        }
+        let entries = self.means.par_iter().zip(&self.sums);
+        entries
+            .with_min_len(SETTLED_AT_A_TIME)
+            .for_each(|(mean, sums)| {
+                let rays = sums.rays.load(Ordering::Relaxed);
+                if rays >= ENOUGH_RAYS && mean.load(Ordering::Relaxed) & FINAL == 0 {
+                    let scale = MEAN_STEPS / (SUM_STEPS * f64::from(rays));
+                    let of = |sum: &AtomicU32| {
+                        (f64::from(sum.load(Ordering::Relaxed)) * scale + 0.5) as u32
+                    };
+                    // What comes by bounces is never nothing, so that known means are not 0.
+                    let both = of(&sums.direct) | of(&sums.even).max(1) << 15;
+                    let mark = if rays >= ALL_RAYS { FINAL } else { 0 };
+                    mean.store(both | mark, Ordering::Relaxed);
+                }
+            });
     }
 
     /// Bytes held.

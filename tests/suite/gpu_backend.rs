@@ -1,4 +1,6 @@
 //! The GPU backend around its shaders: slices, devices with less room, changed scenes, display, counters, targets.
+//!
+//! Longer than most files because one backend has all of it, and its tests share what devices lack.
 
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};

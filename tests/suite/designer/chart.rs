@@ -1,5 +1,7 @@
 //! The chart by mouse and keys: painted, cut, turned, scaled, reduced to yarns, recoloured, placed, pasted, saved; each
 //! gesture one step of the history with its name.
+//!
+//! Longer than most files because one canvas is worked: its gestures share their charts and helpers.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -14,8 +16,8 @@ use towel_designer::designer::App;
 use towel_designer::files;
 
 use super::{
-    Dropped, choose, click, design, designer, designer_of_size, open_panel, type_number, type_path,
-    wait, wished,
+    Dropped, choose, click, design, designer, designer_of_size, first_button, in_frames,
+    open_panel, type_number, type_path, wait, wished,
 };
 
 const RED: [u8; 4] = [200, 30, 30, 255];
@@ -141,24 +143,6 @@ fn painting_is_one_step_a_stroke_and_makes_the_chart_the_designs_own() {
     assert_eq!(undo_name(&harness), "open chart");
 }
 
-/// What a busy machine sees: a press, moves and a release within a single frame each, or several of them.
-fn in_frames(harness: &mut Harness<'_, App>, frames: Vec<Vec<Event>>) {
-    for events in frames {
-        harness.input_mut().events.extend(events);
-        harness.step();
-    }
-    harness.run_steps(3);
-}
-
-fn primary(pos: Pos2, pressed: bool) -> Event {
-    Event::PointerButton {
-        pos,
-        button: PointerButton::Primary,
-        pressed,
-        modifiers: Modifiers::NONE,
-    }
-}
-
 #[test]
 fn a_stroke_within_few_frames_is_painted_where_the_pointer_went() {
     let folder = tempfile::tempdir().unwrap();
@@ -179,10 +163,10 @@ fn a_stroke_within_few_frames_is_painted_where_the_pointer_went() {
             vec![Event::PointerMoved(pick), alt(true)],
             vec![alt(false)],
             vec![Event::PointerMoved(away), Event::PointerMoved(start)],
-            vec![primary(start, true), Event::PointerMoved(corner)],
+            vec![first_button(start, true), Event::PointerMoved(corner)],
             vec![
                 Event::PointerMoved(end),
-                primary(end, false),
+                first_button(end, false),
                 Event::PointerMoved(away),
             ],
         ],
@@ -202,11 +186,11 @@ fn a_stroke_within_few_frames_is_painted_where_the_pointer_went() {
         vec![
             vec![Event::PointerMoved(start)],
             vec![
-                primary(start, true),
+                first_button(start, true),
                 Event::PointerMoved(corner),
                 Event::PointerMoved(end),
             ],
-            vec![primary(end, false), Event::PointerMoved(away)],
+            vec![first_button(end, false), Event::PointerMoved(away)],
         ],
     );
     let mut expected = two_yarns();
@@ -217,10 +201,10 @@ fn a_stroke_within_few_frames_is_painted_where_the_pointer_went() {
     undo(&mut harness);
     let all = [
         Event::PointerMoved(start),
-        primary(start, true),
+        first_button(start, true),
         Event::PointerMoved(corner),
         Event::PointerMoved(end),
-        primary(end, false),
+        first_button(end, false),
         Event::PointerMoved(away),
     ];
     in_frames(&mut harness, vec![all.to_vec()]);
@@ -230,10 +214,10 @@ fn a_stroke_within_few_frames_is_painted_where_the_pointer_went() {
     let beside = harness.get_by_label("Viewport").rect().center();
     let press = vec![
         Event::PointerMoved(beside),
-        primary(beside, true),
+        first_button(beside, true),
         Event::PointerMoved(start),
     ];
-    in_frames(&mut harness, vec![press, vec![primary(start, false)]]);
+    in_frames(&mut harness, vec![press, vec![first_button(start, false)]]);
     assert_eq!(pixels(&harness), two_yarns());
 }
 

@@ -1,5 +1,7 @@
 //! Files of the designer: bundles, pictures that carry their design, the user's presets, settings, and designs that a
 //! program left behind when it died. Every test has folders of its own.
+//!
+//! Longer than most files because all of it happens to one user with one set of folders.
 
 use std::fs;
 use std::path::{Path, PathBuf};

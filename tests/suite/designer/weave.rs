@@ -1,4 +1,4 @@
-//! The weave editor: cell sets of shapes, icons, tools, ready patterns, keyboard and undo.
+//! The weave editor: icons, tools, changes of the whole pattern, keyboard and undo.
 
 use std::collections::HashSet;
 
@@ -7,108 +7,14 @@ use egui::{Color32, Event, Key, Modifiers, PointerButton, Pos2, Rect, pos2, vec2
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use proptest::prelude::*;
-use renderer_core::design::{
-    Anchor, Back, Keep, NewCells, Pattern, READY_PATTERNS, STITCHES, Stitch,
-};
+use renderer_core::design::{Anchor, Back, Keep, NewCells, Pattern, READY_PATTERNS, STITCHES};
 use towel_designer::designer::shapes::{self, Cell};
 use towel_designer::designer::{App, Icon};
 
-use super::{cell, click, design, designer, paint_cell, type_number, wished};
-
-fn set(cells: impl Iterator<Item = Cell>) -> HashSet<Cell> {
-    let list: Vec<Cell> = cells.collect();
-    let set: HashSet<Cell> = list.iter().copied().collect();
-    assert_eq!(set.len(), list.len(), "a cell comes twice: {list:?}");
-    set
-}
-
-#[test]
-fn a_line_has_both_ends_no_gaps_and_stays_near_the_straight_way() {
-    for to in [[0, 0], [7, 0], [0, -5], [9, 4], [-4, 9], [-6, -6], [3, -11]] {
-        let from = [2, -1];
-        let cells: Vec<Cell> = shapes::line(from, to).collect();
-        assert_eq!((cells[0], cells[cells.len() - 1]), (from, to));
-        let [dx, dy] = [0, 1].map(|axis| to[axis] - from[axis]);
-        assert_eq!(cells.len() as i32, dx.abs().max(dy.abs()).max(1) + 1);
-        for pair in cells.windows(2) {
-            let step = [0, 1].map(|axis| (pair[1][axis] - pair[0][axis]).abs());
-            assert!(step[0] <= 1 && step[1] <= 1, "a gap in {cells:?}");
-        }
-        for [x, y] in &cells {
-            // Twice the distance along the shorter side from the straight way, times the longer side.
-            let off = 2 * ((x - from[0]) * dy - (y - from[1]) * dx).abs();
-            assert!(off <= dx.abs().max(dy.abs()), "{:?} to {to:?}", [x, y]);
-        }
-    }
-}
-
-#[test]
-fn rectangles_have_their_corners_whatever_the_direction() {
-    for (from, to) in [
-        ([1, 2], [4, 6]),
-        ([4, 2], [1, 6]),
-        ([3, 3], [3, 3]),
-        ([2, 5], [2, 1]),
-    ] {
-        let outline = set(shapes::rectangle(from, to));
-        let filled = set(shapes::filled_rectangle(from, to));
-        let [width, height] = [0, 1].map(|axis| (from[axis] - to[axis]).abs() + 1);
-        assert_eq!(filled.len() as i32, width * height);
-        let inner = (width - 2).max(0) * (height - 2).max(0);
-        assert_eq!(outline.len() as i32, width * height - inner);
-        assert!(outline.is_subset(&filled));
-        assert!(outline.contains(&from) && outline.contains(&to));
-    }
-}
-
-#[test]
-fn shift_makes_lines_straight_and_rectangles_square() {
-    assert_eq!(shapes::straightened([0, 0], [9, 2]), [9, 0]);
-    assert_eq!(shapes::straightened([0, 0], [-2, 9]), [0, 9]);
-    assert_eq!(shapes::straightened([1, 1], [6, -3]), [6, -4]);
-    assert_eq!(shapes::squared([5, 5], [2, 4]), [2, 2]);
-    assert_eq!(shapes::squared([5, 5], [5, 3]), [7, 3]);
-}
-
-#[test]
-fn connected_cells_are_those_that_steps_from_side_to_side_reach() {
-    // A maze of noise; steps over cells of the same value are followed one by one to compare with.
-    let [cols, rows] = [37, 23];
-    let value = |[col, row]: Cell| u32::from((col * 7 + row * 13 + col * row) % 5 < 3);
-    for start in [[0, 0], [36, 22], [18, 11], [3, 20]] {
-        let mut reached = HashSet::from([start]);
-        let mut open = vec![start];
-        while let Some([col, row]) = open.pop() {
-            for next in [
-                [col - 1, row],
-                [col + 1, row],
-                [col, row - 1],
-                [col, row + 1],
-            ] {
-                let inside = (0..cols).contains(&next[0]) && (0..rows).contains(&next[1]);
-                if inside && value(next) == value(start) && reached.insert(next) {
-                    open.push(next);
-                }
-            }
-        }
-        let runs = shapes::connected([cols, rows], start, value);
-        assert_eq!(set(runs.iter().flat_map(shapes::Run::cells)), reached);
-    }
-    assert_eq!(shapes::connected([4, 4], [4, 0], |_| 0), []);
-    assert_eq!(shapes::connected([4, 4], [0, -1], |_| 0), []);
-}
-
-#[test]
-fn an_area_and_a_comb_of_four_thousand_cells_a_side_are_filled_without_recursion() {
-    let side = 4096;
-    let all = shapes::connected([side, side], [0, 0], |_| 7_u8);
-    assert_eq!(all.len(), side as usize);
-    // Teeth that hang on one row: the longest list of places to look at.
-    let comb = |[col, row]: Cell| row == 0 || col % 2 == 0;
-    let runs = shapes::connected([side, side], [0, 0], comb);
-    let cells: usize = runs.iter().map(|run| run.cols.len()).sum();
-    assert_eq!(cells, (side + (side - 1) * side / 2) as usize);
-}
+use super::cell_sets::set;
+use super::{
+    cell, click, design, designer, first_button, in_frames, paint_cell, type_number, wished,
+};
 
 #[test]
 fn every_icon_is_drawn_inside_its_field_and_unlike_the_others() {
@@ -260,25 +166,18 @@ fn a_stroke_within_two_frames_is_painted_where_the_pointer_went() {
     let mut harness = with_zeros(6, 6);
     let [start, corner, end, away] =
         [[1, 1], [1, 4], [4, 4], [5, 0]].map(|[col, row]| cell(&harness, col, row));
-    let button = |pos, pressed| Event::PointerButton {
-        pos,
-        button: PointerButton::Primary,
-        pressed,
-        modifiers: PLAIN,
-    };
-    for events in [
-        vec![Event::PointerMoved(away), Event::PointerMoved(start)],
-        vec![button(start, true), Event::PointerMoved(corner)],
+    in_frames(
+        &mut harness,
         vec![
-            Event::PointerMoved(end),
-            button(end, false),
-            Event::PointerMoved(away),
+            vec![Event::PointerMoved(away), Event::PointerMoved(start)],
+            vec![first_button(start, true), Event::PointerMoved(corner)],
+            vec![
+                Event::PointerMoved(end),
+                first_button(end, false),
+                Event::PointerMoved(away),
+            ],
         ],
-    ] {
-        harness.input_mut().events.extend(events);
-        harness.step();
-    }
-    harness.run_steps(3);
+    );
     let way = shapes::line([1, 1], [1, 4]).chain(shapes::line([1, 4], [4, 4]));
     let way: HashSet<Cell> = way.collect();
     assert_eq!(painted(&harness), way);
@@ -286,16 +185,15 @@ fn a_stroke_within_two_frames_is_painted_where_the_pointer_went() {
     // All of it within one frame.
     undo(&mut harness);
     assert_eq!(painted(&harness), HashSet::new());
-    harness.input_mut().events.extend([
+    let all = vec![
         Event::PointerMoved(start),
-        button(start, true),
+        first_button(start, true),
         Event::PointerMoved(corner),
         Event::PointerMoved(end),
-        button(end, false),
+        first_button(end, false),
         Event::PointerMoved(away),
-    ]);
-    harness.step();
-    harness.run_steps(3);
+    ];
+    in_frames(&mut harness, vec![all]);
     assert_eq!(painted(&harness), way);
 }
 
@@ -685,115 +583,6 @@ fn the_side_that_stays_can_be_chosen() {
     );
     undo(&mut harness);
     assert_eq!(*pattern(&harness), before);
-}
-
-/// The longest stretch of equal values in a ring, 0 if all are equal.
-fn longest_float(ring: &[bool], over: bool) -> usize {
-    if ring.iter().all(|value| *value == over) {
-        return usize::MAX;
-    }
-    let twice = ring.iter().chain(ring);
-    let (mut longest, mut now) = (0, 0);
-    for value in twice {
-        now = if *value == over { now + 1 } else { 0 };
-        longest = longest.max(now);
-    }
-    longest
-}
-
-#[test]
-fn ready_patterns_are_what_their_names_say() {
-    let of = |name: &str| {
-        let found = READY_PATTERNS.iter().find(|ready| ready.name == name);
-        found.expect("a ready pattern").pattern()
-    };
-    let over = |pattern: &Pattern, col: usize, row: usize| {
-        pattern.stitch(col as i64, row as i64).warp_over
-    };
-    for ready in READY_PATTERNS {
-        let pattern = ready.pattern();
-        let (cols, rows) = (pattern.cols(), pattern.rows());
-        assert!(
-            pattern
-                .values()
-                .iter()
-                .all(|v| Stitch::from_value(*v).is_some()),
-            "{}",
-            ready.name
-        );
-        // Every yarn is held: it goes over somewhere and under somewhere.
-        for col in 0..cols {
-            let warp: Vec<bool> = (0..rows).map(|row| over(&pattern, col, row)).collect();
-            assert!(
-                warp.contains(&true) && warp.contains(&false),
-                "{}: warp {col} is loose",
-                ready.name
-            );
-        }
-        for row in 0..rows {
-            let weft: Vec<bool> = (0..cols).map(|col| over(&pattern, col, row)).collect();
-            assert!(
-                weft.contains(&true) && weft.contains(&false),
-                "{}: weft {row} is loose",
-                ready.name
-            );
-        }
-    }
-    // Satin of five ends: one weft over in each row and column, none beside the next.
-    let satin = of("Satin");
-    let binds = |row: i64| (0..5).find(|col| satin.at(*col, row) == 0);
-    for row in 0..5 {
-        let step = (binds(row + 1).unwrap() - binds(row).unwrap()).rem_euclid(5);
-        assert_eq!(step, 2, "the counter of the satin at row {row}");
-    }
-    // Twill: each row is the one before, one warp to the right.
-    let twill = of("Twill");
-    assert_eq!(twill.shifted(1, 1), twill);
-    assert_eq!(of("Plain").shifted(1, 1), of("Plain"));
-    // Waffle: floats of 5 over the weft and of 7 over the warp are the longest (Encyclopædia Britannica, "Honeycomb").
-    let waffle = of("Waffle");
-    let warp = |col: usize| {
-        (0..8)
-            .map(|row| over(&waffle, col, row))
-            .collect::<Vec<_>>()
-    };
-    let weft = |row: usize| {
-        (0..8)
-            .map(|col| over(&waffle, col, row))
-            .collect::<Vec<_>>()
-    };
-    assert_eq!(
-        (0..8).map(|col| longest_float(&warp(col), true)).max(),
-        Some(5)
-    );
-    assert_eq!(
-        (0..8).map(|row| longest_float(&weft(row), false)).max(),
-        Some(7)
-    );
-    assert_eq!(
-        waffle.mirrored_left_right().shifted(-1, 0),
-        waffle,
-        "point draft"
-    );
-    // Terry: a pile end is bound under one pick of its group and has one loop on each face.
-    for (name, picks) in [("Terry 3-pick", 3), ("Terry 4-pick", 4)] {
-        let terry = of(name);
-        assert_eq!((terry.cols(), terry.rows()), (4, picks));
-        for col in [1, 3] {
-            let pile: Vec<u8> = (0..picks).map(|row| terry.at(col, row as i64)).collect();
-            assert_eq!(pile.iter().filter(|v| **v == 9).count(), 1, "{name}");
-            assert_eq!(pile.iter().filter(|v| **v == 0).count(), 1, "{name}");
-        }
-        for row in 0..picks as i64 {
-            assert_ne!(
-                terry.at(0, row),
-                terry.at(2, row),
-                "{name}: ground ends take turns"
-            );
-        }
-    }
-    let velvet = of("Velvet");
-    assert!(velvet.values().contains(&7) && !velvet.values().iter().any(|v| matches!(v, 8 | 9)));
 }
 
 #[test]

@@ -71,45 +71,16 @@ pub struct CompileJson {
     sections_kept: u64,
     frames_made: u64,
     frames_left_out: u64,
-    seconds: StagesJson,
-}
-
-/// [`StageSeconds`] as written.
-#[derive(Debug, Serialize)]
-struct StagesJson {
-    turbulence: f64,
-    lengths: f64,
-    frames: f64,
-    grid: f64,
-    looks: f64,
-    volumes: f64,
-    total: f64,
+    seconds: StageSeconds,
 }
 
 impl From<CompileReport> for CompileJson {
     fn from(report: CompileReport) -> Self {
-        let StageSeconds {
-            turbulence,
-            lengths,
-            frames,
-            grid,
-            looks,
-            volumes,
-            total,
-        } = report.seconds;
         Self {
             sections_kept: report.sections_kept(),
             frames_made: report.frames_made,
             frames_left_out: report.frames_left_out,
-            seconds: StagesJson {
-                turbulence,
-                lengths,
-                frames,
-                grid,
-                looks,
-                volumes,
-                total,
-            },
+            seconds: report.seconds,
         }
     }
 }

@@ -2,6 +2,8 @@
 
 use std::time::Instant;
 
+use serde::Serialize;
+
 /// Sections of a scene, by name, in the order of [`CompileReport::kept`].
 pub const SECTIONS: [&str; 7] = [
     "sheet", "loops", "looks", "volumes", "pile", "skeleton", "lights",
@@ -29,7 +31,7 @@ impl CompileReport {
 }
 
 /// Wall-clock seconds of each stage.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct StageSeconds {
     /// The turbulence field.
     pub turbulence: f64,
@@ -45,6 +47,31 @@ pub struct StageSeconds {
     pub volumes: f64,
     /// Everything, what is not listed here included.
     pub total: f64,
+}
+
+impl StageSeconds {
+    /// The stages by name, and the rest of the total.
+    pub fn by_name(&self) -> [(&'static str, f64); 7] {
+        let Self {
+            turbulence,
+            lengths,
+            frames,
+            grid,
+            looks,
+            volumes,
+            total,
+        } = *self;
+        let staged = turbulence + lengths + frames + grid + looks + volumes;
+        [
+            ("turbulence", turbulence),
+            ("lengths", lengths),
+            ("frames", frames),
+            ("grid", grid),
+            ("looks", looks),
+            ("volumes", volumes),
+            ("rest of compile", (total - staged).max(0.0)),
+        ]
+    }
 }
 
 /// Runs `work` and adds its time to `seconds`.

@@ -3,7 +3,8 @@
 use std::collections::BTreeSet;
 
 use renderer_core::cpu::CpuBackend;
-use renderer_core::design::{Design, Method};
+use renderer_core::design::{Design, Method, Pattern};
+use renderer_core::image::Picture;
 use renderer_core::sampling::Pcg;
 
 use super::scenes::{Edit, GROUPS, LOOPS};
@@ -84,6 +85,36 @@ fn mixtures_draw_the_same_samples() {
 fn many_mixtures_draw_the_same_samples() {
     // Found: 4.
     mixtures(1000, 4, 6);
+}
+
+#[test]
+fn yarns_that_stay_above_the_sheet_are_met_on_their_skin() {
+    // All warps over all wefts: level, and seen from below, where bounds of a yarn are nearest to its skin.
+    let mut design = small_towel();
+    design.weave.pattern = Pattern::filled(1, 1, 1);
+    (design.skeleton.warp_radius, design.skeleton.weft_radius) = (0.06, 0.05);
+    design.skeleton.crimp = 0.6;
+    let camera = &mut design.view.cameras[0];
+    (camera.elevation, camera.distance) = (-35.0, 8.0);
+    let mut request = request(&design, [96, 80]);
+    request.settings.aov = true;
+    let depths = |picture: Picture| picture.aov.unwrap().depth;
+    let expected = depths(on_reference(&request));
+    let drawn = depths(finish(&mut CpuBackend::default(), &request));
+    let pairs = expected.iter().zip(&drawn);
+    let apart: Vec<f32> = pairs
+        .filter(|(a, _)| a.is_finite())
+        .map(|(a, b)| (a - b).abs())
+        .collect();
+    assert!(apart.len() > 1000);
+    // f32 in cells, and depths of 8 mm. A ray that rounding takes past a yarn meets another one, tenths of a mm away.
+    let off = apart.iter().filter(|by| (1e-5..0.05).contains(*by)).count();
+    let passed = apart.iter().filter(|by| **by >= 0.05).count();
+    assert!(
+        off == 0 && passed < apart.len() / 500,
+        "{off} {passed} of {}",
+        apart.len()
+    );
 }
 
 #[test]

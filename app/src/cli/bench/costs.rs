@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use renderer_core::design::Design;
 use renderer_core::render::{Backend, BackendKind};
-use renderer_core::scene::{Compiler, StageSeconds};
+use renderer_core::scene::Compiler;
 
 use super::csv::{number, quoted, table};
 use super::drawing::{self, draw, median};
@@ -15,7 +15,6 @@ use super::parts::Turns;
 use super::plot::{Bar, Bars};
 use super::summary::seconds;
 use super::{Conditions, Measured};
-use crate::clock::{Spent, timed};
 use crate::designer::LiveLight;
 
 /// Most turns.
@@ -32,20 +31,8 @@ pub struct Cost {
     pub share: f64,
 }
 
-/// Stages that scenes go through, then those of samples.
-const STAGES: [&str; 11] = [
-    "turbulence",
-    "lengths",
-    "frames",
-    "grid",
-    "looks",
-    "volumes",
-    "rest of compile",
-    "upload",
-    "camera rays",
-    "shadow rays",
-    "further bounces",
-];
+/// Stages by name, and their seconds.
+type Stages = Vec<(&'static str, f64)>;
 
 /// Every stage; empty where there was no time for one turn.
 ///
@@ -64,7 +51,7 @@ pub fn measure(
         deadline,
         most: MOST_TURNS,
     };
-    let mut all: Vec<[f64; STAGES.len()]> = Vec::new();
+    let mut all: Vec<Stages> = Vec::new();
     let mut long = Duration::ZERO;
     while turns.has_time_for(all.len() as u32, long) {
         say(&format!("costs, turn {}", all.len() + 1));
@@ -82,15 +69,15 @@ pub fn measure(
         }
         long = start.elapsed();
     }
-    if all.is_empty() {
+    let Some(first) = all.first() else {
         return Ok(Vec::new());
-    }
-    let middles = (0..STAGES.len()).map(|stage| median(all.iter().map(|turn| turn[stage])));
-    let middles: Vec<f64> = middles.collect();
+    };
+    let middle = |stage: usize| median(all.iter().map(|turn| turn[stage].1));
+    let middles: Vec<f64> = (0..first.len()).map(middle).collect();
     let sum: f64 = middles.iter().sum();
-    let costs = STAGES.into_iter().zip(middles);
+    let costs = first.iter().zip(middles);
     Ok(costs
-        .map(|(stage, seconds)| Cost {
+        .map(|(&(stage, _), seconds)| Cost {
             stage,
             seconds,
             share: seconds / sum.max(1e-9),
@@ -105,18 +92,9 @@ fn turn(
     backend: &mut dyn Backend,
     window: [u32; 2],
     deadline: Instant,
-) -> anyhow::Result<Option<[f64; STAGES.len()]>> {
-    let mut compile = Spent::zero();
-    let scene = timed(&mut compile, || compiler.compile(design))?;
-    let StageSeconds {
-        turbulence,
-        lengths,
-        frames,
-        grid,
-        looks,
-        volumes,
-        ..
-    } = compiler.last_report().seconds;
+) -> anyhow::Result<Option<Stages>> {
+    let scene = compiler.compile(design)?;
+    let mut stages = compiler.last_report().seconds.by_name().to_vec();
     let mut request = drawing::request(design, &scene, window, 1)?;
     request.settings = LiveLight::default().settings(design);
     (request.settings.samples, request.settings.error) = (1, 0.0);
@@ -156,20 +134,13 @@ fn turn(
     let (Some(all), Some(direct), Some(camera)) = (all, direct, camera) else {
         return Ok(None);
     };
-    let staged = turbulence + lengths + frames + grid + looks + volumes;
-    Ok(Some([
-        turbulence,
-        lengths,
-        frames,
-        grid,
-        looks,
-        volumes,
-        (compile.wall.as_secs_f64() - staged).max(0.0),
-        upload.unwrap_or_default(),
-        camera,
-        (direct - camera).max(0.0),
-        (all - direct).max(0.0),
-    ]))
+    stages.extend([
+        ("upload", upload.unwrap_or_default()),
+        ("camera rays", camera),
+        ("shadow rays", (direct - camera).max(0.0)),
+        ("further bounces", (all - direct).max(0.0)),
+    ]);
+    Ok(Some(stages))
 }
 
 /// The dearest stage.

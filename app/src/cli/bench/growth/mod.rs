@@ -143,6 +143,23 @@ fn with_loops(
         last = start.elapsed();
         sheets.push(sheet);
     }
+    in_turns(&mut sheets, backend, deadline, |sheet, drawn, sample| {
+        sheet.sample = least([sheet.sample, sample]).unwrap_or_default();
+        let upload = drawn.upload.wall.saturating_sub(drawn.pipelines);
+        sheet.upload = sheet.upload.min(upload);
+        sheet.turns += 1;
+    })?;
+    Ok(sheets.into_iter().map(|(sheet, _)| sheet).collect())
+}
+
+/// Draws all of them in turns as long as there is time, with another seed each turn, and `note`s what came of it and one
+/// sample's time.
+fn in_turns<T>(
+    all: &mut [(T, RenderRequest)],
+    backend: &mut dyn Backend,
+    deadline: Instant,
+    mut note: impl FnMut(&mut T, &Drawn, Spent),
+) -> anyhow::Result<()> {
     let turns = Turns {
         deadline,
         most: MOST_TURNS,
@@ -150,20 +167,17 @@ fn with_loops(
     let (mut turn, mut long) = (1, Duration::ZERO);
     while turns.has_time_for(turn, long) {
         let start = Instant::now();
-        for (sheet, request) in &mut sheets {
+        for (of, request) in &mut *all {
             request.settings.seed = turn;
             if let Some(drawn) = draw(backend, request, None)? {
                 let sample = per_sample(drawn.samples, request.settings.samples);
-                sheet.sample = least([sheet.sample, sample]).unwrap_or_default();
-                let upload = drawn.upload.wall.saturating_sub(drawn.pipelines);
-                sheet.upload = sheet.upload.min(upload);
-                sheet.turns += 1;
+                note(of, &drawn, sample);
             }
         }
         long = start.elapsed();
         turn += 1;
     }
-    Ok(sheets.into_iter().map(|(sheet, _)| sheet).collect())
+    Ok(())
 }
 
 /// Makes a sheet and draws it once.
@@ -252,23 +266,9 @@ fn with_pixels(
         };
         pictures.push((picture, request));
     }
-    let turns = Turns {
-        deadline,
-        most: MOST_TURNS,
-    };
-    let (mut turn, mut long) = (1, Duration::ZERO);
-    while turns.has_time_for(turn, long) {
-        let start = Instant::now();
-        for (picture, request) in &mut pictures {
-            request.settings.seed = turn;
-            if let Some(drawn) = draw(backend, request, None)? {
-                let sample = per_sample(drawn.samples, request.settings.samples);
-                picture.sample = least([picture.sample, sample]).unwrap_or_default();
-                picture.turns += 1;
-            }
-        }
-        long = start.elapsed();
-        turn += 1;
-    }
+    in_turns(&mut pictures, backend, deadline, |picture, _, sample| {
+        picture.sample = least([picture.sample, sample]).unwrap_or_default();
+        picture.turns += 1;
+    })?;
     Ok(pictures.into_iter().map(|(picture, _)| picture).collect())
 }

@@ -133,16 +133,12 @@ pub fn measure(
                     let mut trial = compiling::Recompiling::new(design, size, skip)?;
                     pairs(&mut trial, backend, turns)?
                 }
-                Switch::Drawing => {
-                    let until = turns.deadline;
-                    match drawing::Sampling::new(design, &scene, size, skip, backend, until)? {
-                        Some(mut trial) => pairs(&mut trial, backend, turns)?,
-                        None => None,
-                    }
-                }
-                Switch::Target => {
-                    let until = turns.deadline;
-                    match drawing::Sampling::to_error(design, &scene, size, skip, backend, until)? {
+                Switch::Drawing | Switch::Target => {
+                    let new = match switch {
+                        Switch::Target => drawing::Sampling::to_error,
+                        _ => drawing::Sampling::new,
+                    };
+                    match new(design, &scene, size, skip, backend, turns.deadline)? {
                         Some(mut trial) => pairs(&mut trial, backend, turns)?,
                         None => None,
                     }

@@ -103,7 +103,7 @@ fn yarns_that_stay_above_the_sheet_are_met_on_their_skin() {
     let drawn = depths(finish(&mut CpuBackend::default(), &request));
     let pairs = expected.iter().zip(&drawn);
     let apart: Vec<f32> = pairs
-        .filter(|(a, _)| a.is_finite())
+        .filter(|(a, _)| **a > 0.0)
         .map(|(a, b)| (a - b).abs())
         .collect();
     assert!(apart.len() > 1000);

@@ -8,7 +8,7 @@ use renderer_core::cpu::CpuBackend;
 use renderer_core::design::{Colour, Design, Method};
 use renderer_core::image::{Picture, metrics};
 use renderer_core::render::shadow_cache::{ShadowGrid, TEXEL_PX};
-use renderer_core::render::{Backend, Camera, Counters, RenderRequest};
+use renderer_core::render::{Backend, Camera, Counters, Projection, RenderRequest};
 use renderer_core::sampling::Pcg;
 use renderer_core::scene::compile;
 
@@ -151,8 +151,9 @@ fn known_shadows_save_rays_and_leave_the_mean() {
         let error = metrics::rel_rmse(&shared, &plain).unwrap();
         eprintln!("{name}: {share:.3} cached, mean {brightness:+.4}, relRMSE {error:.3}");
         assert!(share > 0.4, "{some:?}");
-        // Means of a texel are made by the points that ask it. Nobody sees two hundredths.
-        assert!(brightness.abs() < 0.02, "{name}: {brightness}");
+        // Means of a texel are made by the points that ask it: 0.0003 to 0.0025 here. Means that stand in for those of bounced
+        // light, or these for them, are 0.012 off and more.
+        assert!(brightness.abs() < 0.008, "{name}: {brightness}");
         // Blurred over a few pixels: another picture, but no other cloth.
         assert!((0.005..0.25).contains(&error), "{name}: {error}");
     }
@@ -221,10 +222,33 @@ fn a_moved_camera_finds_what_was_learned_and_another_cloth_or_light_nothing() {
             ..first.clone()
         };
         assert!(cached(&dyed) > 500, "{name}");
-        let longer = other(&first, |design| design.length.value *= 1.1);
-        assert_eq!(cached(&longer), 0, "{name}");
-        // What was learned of the old cloth is gone with it.
-        assert_eq!(cached(&first), 0, "{name}");
+        // Pictures of several seeds are averaged, and must not have learned from each other; another method sees other
+        // shadows, and other texels have other numbers.
+        for edit in [
+            (|request| request.settings.seed += 1) as fn(&mut RenderRequest),
+            |request| request.settings.method = Method::Layered,
+            |request| request.camera.projection = Projection::Perspective { fov: 0.1 },
+        ] {
+            let mut edited = first.clone();
+            edit(&mut edited);
+            assert_eq!(cached(&edited), 0, "{name}: {:?}", edited.settings);
+            let mut again = first.clone();
+            again.settings.samples = 4;
+            assert!(cached(&again) > 500, "{name}");
+        }
+        // Cloth and light that have the same texels, and cloth that has not.
+        for edit in [
+            (|design| design.pile.density *= 2.0) as fn(&mut Design),
+            |design| design.light.sun[0].azimuth += 40.0,
+            |design| design.length.value *= 1.1,
+        ] {
+            assert_eq!(cached(&other(&first, edit)), 0, "{name}");
+            // What was learned of the old cloth is gone with it.
+            assert_eq!(cached(&first), 0, "{name}");
+            let mut again = first.clone();
+            again.settings.samples = 4;
+            assert!(cached(&again) > 500, "{name}");
+        }
         let mut plain = first.clone();
         plain.settings.cached_shadows = 0;
         assert_eq!(cached(&plain), 0, "{name}");
@@ -251,8 +275,9 @@ fn the_gpu_shares_the_same_shadows() {
         assert!((a / b - 1.0).abs() < 0.01, "{name}: {a} {b}");
         let error = metrics::rel_rmse(&drawn, &expected).unwrap();
         eprintln!("{name}: relRMSE {error:.5}");
-        // A pixel that turns on rounding is another ray in a texel's mean of hundreds, and in a picture of six samples.
-        assert!(error < 0.01, "{name}: {error}");
+        // A pixel that turns on rounding is another ray in a texel's mean of hundreds, and in a picture of six samples: 0.0005
+        // and 0.0012. Direct shadows in the place of those of bounced light make 0.007 of it.
+        assert!(error < 0.003, "{name}: {error}");
         let plain = towel(method, bounces, 6, 0);
         let other = finish(&mut CpuBackend::default(), &plain);
         assert!(metrics::rel_rmse(&drawn, &other).unwrap() > 2.0 * error);

@@ -1,5 +1,7 @@
 //! Tiles that are left out: those that show background alone, and those whose error is small enough.
 
+mod converged;
+
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
@@ -206,35 +208,4 @@ fn exactly_the_tiles_without_cloth_are_found() {
     // Both kinds are there, and tiles found one beside where they are would be noticed.
     assert!(background > tiles / 5 && background < 4 * tiles / 5);
     assert!(shifted > 50, "{shifted}");
-}
-
-/// A towel of which one half is bright and noisy, and the other plain.
-fn uneven_towel() -> RenderRequest {
-    let mut design = small_towel();
-    design.quality.bounces = 3;
-    design.view.cameras[0].distance = 40.0;
-    let mut request = request(&design, [96, 80]);
-    request.settings.samples = 1 << 12;
-    request.settings.error = 0.01;
-    request.settings.counters = true;
-    request.settings.aov = true;
-    request
-}
-
-#[test]
-fn another_error_starts_again_once_tiles_have_ended() {
-    let mut request = uneven_towel();
-    let (mut gpu, mut cpu) = backends();
-    for backend in [&mut gpu as &mut dyn Backend, &mut cpu] {
-        request.settings.error = 0.015;
-        let (_, counters, _) = draw(backend, &request);
-        assert!(counters.converged_tiles > 0);
-        request.settings.error = 0.012;
-        let (tightened, ..) = draw(backend, &request);
-        request.settings.seed += 1;
-        draw(backend, &request);
-        request.settings.seed -= 1;
-        let (fresh, ..) = draw(backend, &request);
-        assert_eq!(all_numbers(&tightened), all_numbers(&fresh));
-    }
 }

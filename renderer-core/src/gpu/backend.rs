@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use crate::design::{Method, ToneMap};
 use crate::image::{Display, Picture};
-use crate::render::convergence::{PixelErrors, has_estimate, is_decision};
+use crate::render::convergence::{PixelErrors, has_estimate, is_decision, leads_on};
 use crate::render::progressive::check_size;
 use crate::render::{
     Backend, BackendKind, Counters, MAX_SIDE, Progress, RenderError, RenderRequest, Skip,
@@ -184,11 +184,10 @@ impl GpuBackend {
 }
 
 impl Work {
-    /// True if `request` is the same picture, so that only targets differ, and no tile has ended by another one.
+    /// True if `request` is the same picture, so that only targets differ, and would have been drawn the same so far.
     fn is_same_picture(&self, request: &RenderRequest) -> bool {
-        if request.settings.error != self.request.settings.error
-            && self.accumulation.has_converged_tiles()
-        {
+        let [old, new] = [self.request.settings.error, request.settings.error];
+        if !leads_on(old, new, self.accumulation.has_converged_tiles()) {
             return false;
         }
         let mut same = request.clone();

@@ -9,7 +9,7 @@
 //! Bias: whether a tile ends depends on its samples. One that has been lucky, in which light that is rare and bright has
 //! not shown itself, ends early and stays a little too dark, and its estimated error a little too small. From 16 samples
 //! on an estimate rests on two means or more of every pixel of a tile, some hundred numbers, which are hardly ever all
-//! lucky; the test `convergence` measures what is left.
+//! lucky; tests/suite/tiles/converged.rs holds such tiles against other samples.
 
 use crate::sampling::RUN;
 
@@ -59,6 +59,14 @@ impl PixelErrors {
     pub fn have_converged(&self, whole: &Self, target: f64) -> bool {
         self.variance <= (target * whole.mean()).powi(2) * self.values()
     }
+}
+
+/// Whether what has been drawn towards an error of `old` is what would have been drawn towards `new` (0: no error ends
+/// anything): nothing has ended by the old one, and nothing went on that the new one would have ended.
+pub fn leads_on(old: f64, new: f64, has_ended_tiles: bool) -> bool {
+    let never_ends = |error: f64| error <= 0.0;
+    let is_stricter = never_ends(new) || !never_ends(old) && new <= old;
+    old == new || is_stricter && !has_ended_tiles
 }
 
 /// Whether errors are estimated anew at so many samples: whenever a scramble has had its turn.

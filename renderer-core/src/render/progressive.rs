@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::accumulation::{Accumulation, Pass, Sample, TILE_SIDE, Tile};
 use super::background::background_tiles;
-use super::convergence::{has_estimate, is_decision};
+use super::convergence::{has_estimate, is_decision, leads_on};
 use super::{Counters, MAX_SIDE, Progress, RenderError, RenderRequest, Skip};
 use crate::image::Picture;
 
@@ -61,13 +61,9 @@ impl Progressive {
         let (old, new) = (self.request.settings, request.settings);
         let mut same = request.clone();
         (same.settings.samples, same.settings.error) = (old.samples, old.error);
-        let never_stops = |error: f64| error <= 0.0;
-        let stricter =
-            never_stops(new.error) || (!never_stops(old.error) && new.error <= old.error);
-        let passed = new.error != old.error && self.accumulation.has_converged_tiles();
+        let has_ended_tiles = self.accumulation.has_converged_tiles();
         let fits = same == self.request
-            && stricter
-            && !passed
+            && leads_on(old.error, new.error, has_ended_tiles)
             && new.samples >= self.pass.samples_before();
         if fits {
             self.request.settings = new;

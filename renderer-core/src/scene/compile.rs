@@ -164,6 +164,8 @@ struct LooksInputs {
 struct VolumesInputs {
     pile: Pile,
     kinds: Vec<PileKind>,
+    /// That of the longest loop there may be. Arch, twist and stray fibres are drawn in mm, so that this shows in every voxel; an
+    /// edit of lengths that leaves the longest alone keeps the volumes.
     reference_length_mm: f64,
 }
 

@@ -100,7 +100,7 @@ impl Runs {
 /// Numbers of samples up to `last` at which tiles and pictures may end.
 fn decisions(last: u32) -> impl Iterator<Item = u32> {
     (0..)
-        .map(|k| 2 * RUN << k)
+        .map(|k| (2 * RUN) << k)
         .take_while(move |count| *count <= last)
 }
 

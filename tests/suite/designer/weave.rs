@@ -1,4 +1,6 @@
 //! The weave editor: icons, tools, changes of the whole pattern, keyboard and undo.
+//!
+//! Longer than most files because one grid is worked: its tools share their patterns and helpers.
 
 use std::collections::HashSet;
 

@@ -1,11 +1,9 @@
-//! Up to four loops of a block against a ray at once: which of them it may cross at all. Most that heights and quadrants leave
-//! over it passes by; a scalar solve of the rest finds where.
-
-use glam::{Vec3A, Vec4};
+//! Eight loops of a block against a ray at once: their patches, and which of them the ray may cross at all. Most that heights
+//! and subcells leave over it passes by; a scalar solve of the rest finds where.
 
 use super::block::{BlockRay, Listed};
 use super::cloth::Cloth;
-use super::lanes::{LANES, Vectors};
+use super::lanes::{LANES, Lanes, Vectors};
 
 /// Rounding of the coefficients below, per square of the sizes of what they are products of: some ten roundings of f32.
 const ROUNDING: f32 = 2e-6;
@@ -17,11 +15,15 @@ pub(super) struct Batch {
     /// Where their cells' centres are from that of the block's first, mm.
     x: [f32; LANES],
     y: [f32; LANES],
-    /// Their shapes: axis, half top edge and root heights, in units of length.
-    axis: [[f32; LANES]; 3],
-    half_top: [[f32; LANES]; 3],
-    roots: [[f32; LANES]; 2],
     count: usize,
+}
+
+/// The patches of the loops of a batch; lanes without a loop hold any patch. Vectors as in [`super::patch::Patch`].
+pub(super) struct Patches<L> {
+    pub middle: Vectors<L>,
+    pub along_u: Vectors<L>,
+    pub along_v: Vectors<L>,
+    pub twist: Vectors<L>,
 }
 
 impl Batch {
@@ -31,9 +33,6 @@ impl Batch {
             index: [0; LANES],
             x: [0.0; LANES],
             y: [0.0; LANES],
-            axis: [[0.0; LANES]; 3],
-            half_top: [[0.0; LANES]; 3],
-            roots: [[0.0; LANES]; 2],
             count: 0,
         }
     }
@@ -55,20 +54,10 @@ impl Batch {
 
     /// Adds a loop; there is room.
     #[inline(always)]
-    pub fn push(&mut self, cloth: &Cloth, listed: Listed) {
+    pub fn push(&mut self, listed: Listed) {
         let lane = self.count & (LANES - 1);
-        let shape = &cloth.scene.loops.shapes[listed.index as usize];
         self.index[lane] = listed.index;
-        self.x[lane] = listed.cell.x;
-        self.y[lane] = listed.cell.y;
-        self.axis[0][lane] = f32::from(shape.axis[0]);
-        self.axis[1][lane] = f32::from(shape.axis[1]);
-        self.axis[2][lane] = f32::from(shape.axis[2]);
-        self.half_top[0][lane] = f32::from(shape.half_top[0]);
-        self.half_top[1][lane] = f32::from(shape.half_top[1]);
-        self.half_top[2][lane] = f32::from(shape.half_top[2]);
-        self.roots[0][lane] = f32::from(shape.root_z0);
-        self.roots[1][lane] = f32::from(shape.root_z1);
+        [self.x[lane], self.y[lane]] = listed.cell;
         self.count += 1;
     }
 
@@ -84,8 +73,14 @@ impl Batch {
         let lane = lane & (LANES - 1);
         Listed {
             index: self.index[lane],
-            cell: Vec3A::new(self.x[lane], self.y[lane], 0.0),
+            cell: [self.x[lane], self.y[lane]],
         }
+    }
+
+    /// Indices of the loops; of any loop in lanes without one.
+    #[inline(always)]
+    pub fn indices(&self) -> [u32; LANES] {
+        self.index
     }
 
     /// Forgets all.
@@ -94,53 +89,72 @@ impl Batch {
         self.count = 0;
     }
 
+    /// The loops' patches, seen from where the ray enters the block.
+    #[inline(always)]
+    pub fn patches<L: Lanes>(&self, cloth: &Cloth, part: &BlockRay) -> Patches<L> {
+        let shapes = &cloth.scene.loops.shapes;
+        let mut records = [[0; LANES]; LANES];
+        for (record, &index) in records.iter_mut().zip(&self.index) {
+            *record = bytemuck::cast(shapes[index as usize]);
+        }
+        let [ax, ay, az, z0, ex, ey, ez, z1] = L::columns(records);
+        let unit = L::splat(cloth.length_unit);
+        let half = L::splat(0.5);
+        let half_unit = unit * half;
+        let units = Vectors {
+            x: ax,
+            y: ay,
+            z: az,
+        };
+        let axis = units.scaled(unit);
+        let units = Vectors {
+            x: ex,
+            y: ey,
+            z: ez,
+        };
+        let half_top = units.scaled(unit);
+        let half_base = Vectors {
+            x: L::splat(0.0),
+            y: L::splat(0.5 * cloth.base_width),
+            z: (z1 - z0) * half_unit,
+        };
+        let root = Vectors {
+            x: L::load(&self.x),
+            y: L::load(&self.y),
+            z: (z0 + z1) * half_unit,
+        };
+        Patches {
+            middle: root
+                .plus(axis.scaled(half))
+                .minus(Vectors::splat(part.point)),
+            along_u: half_base.plus(half_top),
+            along_v: axis,
+            twist: half_top.minus(half_base).scaled(L::splat(2.0)),
+        }
+    }
+
     /// A bit for each loop that the ray may cross: 0 for those whose patch has no point (u, v) in [0, 1]² on the ray's line.
     ///
     /// With the line's point m nearest to the patch's middle, a crossing (u′, v′) makes (m + u′b)·((c + u′A) × d) vanish, and
     /// the same with b and c exchanged for v′. Neither quadratic can where its constant outweighs the rest in [−½, ½].
     #[inline(always)]
-    pub fn crossed(&self, cloth: &Cloth, part: &BlockRay) -> u32 {
-        let unit = Vec4::splat(cloth.length_unit);
-        let half_unit = unit * 0.5;
-        let lanes = |fields: [f32; LANES]| Vec4::from_array(fields);
-        let [ax, ay, az] = [self.axis[0], self.axis[1], self.axis[2]];
-        let [ex, ey, ez] = [self.half_top[0], self.half_top[1], self.half_top[2]];
-        let axis = Vectors {
-            x: lanes(ax) * unit,
-            y: lanes(ay) * unit,
-            z: lanes(az) * unit,
-        };
-        let half_top = Vectors {
-            x: lanes(ex) * unit,
-            y: lanes(ey) * unit,
-            z: lanes(ez) * unit,
-        };
-        let (z0, z1) = (lanes(self.roots[0]), lanes(self.roots[1]));
-        let half_base = Vectors {
-            x: Vec4::ZERO,
-            y: Vec4::splat(0.5 * cloth.base_width),
-            z: (z1 - z0) * half_unit,
-        };
-        let root = Vectors {
-            x: lanes(self.x),
-            y: lanes(self.y),
-            z: (z0 + z1) * half_unit,
-        };
-        let half = Vec4::splat(0.5);
-        let along_u = half_base.plus(half_top);
-        let twist = half_top.minus(half_base).scaled(Vec4::splat(2.0));
-        let to_middle = root
-            .plus(axis.scaled(half))
-            .minus(Vectors::splat(part.point));
+    pub fn crossed<L: Lanes>(&self, cloth: &Cloth, part: &BlockRay) -> u32 {
+        let Patches {
+            middle: to_middle,
+            along_u,
+            along_v,
+            twist,
+        } = self.patches::<L>(cloth, part);
+        let half = L::splat(0.5);
         let direction = Vectors::splat(part.direction);
         let middle = to_middle.minus(direction.scaled(to_middle.dot(direction)));
 
         let u_cross = along_u.cross(direction);
-        let v_cross = axis.cross(direction);
+        let v_cross = along_v.cross(direction);
         let twist_cross = twist.cross(direction);
         let bent = middle.dot(twist_cross);
-        let size = middle.size() + axis.size() + along_u.size();
-        let rounding = size * size * ROUNDING;
+        let size = middle.size() + along_v.size() + along_u.size();
+        let rounding = size * size * L::splat(ROUNDING);
         // Constant, linear and square coefficients for u′ and for v′.
         let [u0, u1, u2] = [
             middle.dot(v_cross),
@@ -149,12 +163,13 @@ impl Batch {
         ];
         let [v0, v1, v2] = [
             middle.dot(u_cross),
-            bent + axis.dot(u_cross),
-            axis.dot(twist_cross),
+            bent + along_v.dot(u_cross),
+            along_v.dot(twist_cross),
         ];
-        let u_excess = u0.abs() - (u1.abs() * half + u2.abs() * 0.25);
-        let v_excess = v0.abs() - (v1.abs() * half + v2.abs() * 0.25);
-        let missed = u_excess.cmpgt(rounding) | v_excess.cmpgt(rounding);
-        !missed.bitmask() & self.all()
+        let quarter = L::splat(0.25);
+        let u_excess = u0.abs() - (u1.abs() * half + u2.abs() * quarter);
+        let v_excess = v0.abs() - (v1.abs() * half + v2.abs() * quarter);
+        let missed = rounding.lt(u_excess) | rounding.lt(v_excess);
+        !L::bits(missed) & self.all()
     }
 }

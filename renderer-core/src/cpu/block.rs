@@ -2,7 +2,9 @@
 
 use glam::Vec3A;
 
+use super::batch::Batch;
 use super::cloth::Cloth;
+use super::lanes::{LANES, Lanes};
 use super::walk::SquareSpan;
 use crate::geometry::Ray;
 use crate::scene::{BlockEntry, EntryLayout};
@@ -23,8 +25,8 @@ pub(super) struct BlockRay {
 pub(super) struct Listed {
     /// Index in [`crate::scene::Loops::shapes`].
     pub index: u32,
-    /// Centre of its own cell, relative to that of the block's first.
-    pub cell: Vec3A,
+    /// Centre of its own cell, relative to that of the block's first, mm.
+    pub cell: [f32; 2],
 }
 
 /// What of a loop a ray may meet.
@@ -208,12 +210,14 @@ impl<'a> Block<'a> {
                 (back[1] - back[0]) * per_step,
             ],
             skipped,
-            at: 0,
+            next: 0,
+            first: 0,
+            met: 0,
         }
     }
 }
 
-/// Iterator over the loops of a block that a ray may meet. One loop in one function, since all of it is to be inlined.
+/// The loops of a block that a ray may meet, looked for among eight entries at a time.
 #[derive(Debug)]
 pub(super) struct MetLoops<'a> {
     block: Block<'a>,
@@ -226,49 +230,95 @@ pub(super) struct MetLoops<'a> {
     /// A step of the heights of either face's loops.
     steps_mm: [f32; 2],
     skipped: bool,
-    /// The next entry.
-    at: usize,
+    /// The next entry to be looked at.
+    next: usize,
+    /// The first of the last eight that were, and a bit for each of these that is met and not yet given out.
+    first: usize,
+    met: u32,
 }
 
 impl MetLoops<'_> {
+    /// Adds loops to a batch until it is full, or none is left: then the answer is false. Loops that are not `wanted` are left
+    /// out.
+    #[inline(always)]
+    pub fn fill<L: Lanes>(
+        &mut self,
+        batch: &mut Batch,
+        mut wanted: impl FnMut(u32) -> bool,
+    ) -> bool {
+        loop {
+            while self.met == 0 {
+                if self.next >= self.block.entries.len() {
+                    return false;
+                }
+                self.look_at_eight::<L>();
+            }
+            if batch.is_full() {
+                return true;
+            }
+            let entry = self.block.entries[self.first + self.met.trailing_zeros() as usize];
+            self.met &= self.met - 1;
+            let listed = self.listed(entry);
+            if wanted(listed.index) {
+                batch.push(listed);
+            }
+        }
+    }
+
+    /// Which of the next eight entries show loops that one of the pieces may meet.
+    #[inline(always)]
+    fn look_at_eight<L: Lanes>(&mut self) {
+        self.first = self.next;
+        self.next += LANES;
+        let entries = self.block.entries;
+        let mut words = [0; LANES];
+        // Entries behind the last show nothing.
+        match entries.get(self.first..self.next) {
+            Some(eight) => words.copy_from_slice(bytemuck::cast_slice(eight)),
+            None => {
+                let rest: &[u32] = bytemuck::cast_slice(&entries[self.first..]);
+                words[..rest.len()].copy_from_slice(rest);
+            }
+        }
+        let words = L::load_words(&words);
+        // Most entries end here.
+        self.met = L::bits(L::has(words, self.reached));
+        if self.met != 0 && self.skipped {
+            self.met = L::bits(self.shown::<L>(words));
+        }
+    }
+
     /// Whether one of the pieces passes a subcell that the loop reaches, at its heights.
     #[inline(always)]
-    fn shows(&self, entry: BlockEntry) -> bool {
+    fn shown<L: Lanes>(&self, words: L::Words) -> L::Mask {
+        let layout = &self.layout;
         let pieces = &self.pieces;
-        let subcells = entry.0 >> self.subcells_shift;
-        let quadrants = entry.0 >> self.layout.quadrants_shift();
-        let holds_start = pieces.start.map_or(0, |(quadrant, _)| quadrant & quadrants);
-        let face = (entry.0 >> self.layout.place_shift() & 1) as usize;
-        let bits = self.layout.height_bits;
-        let heights = entry.0 >> self.layout.heights_shift();
-        let step = |steps: u32| (steps & ((1 << bits) - 1)) as f32;
-        let (floor, step_mm) = (self.block.of_face[face][0], self.steps_mm[face]);
-        let low = floor + step(heights) * step_mm;
-        let high = floor + (step(heights >> bits) + 1.0) * step_mm;
-        let mut shows = false;
-        for (subcell, [lowest, highest]) in &pieces.list[..pieces.count] {
-            shows |= subcells & subcell != 0 && *lowest <= high && *highest >= low;
-        }
-        shows || holds_start != 0 && pieces.start.is_some_and(|(_, z)| low <= z && z <= high)
-    }
-}
-
-impl Iterator for MetLoops<'_> {
-    type Item = Listed;
-
-    #[inline(always)]
-    fn next(&mut self) -> Option<Listed> {
-        let entries = self.block.entries;
-        let mut at = self.at;
-        let entry = loop {
-            let &entry = entries.get(at)?;
-            at += 1;
-            // Most entries end here.
-            if entry.0 & self.reached != 0 && (!self.skipped || self.shows(entry)) {
-                break entry;
-            }
+        let [front, back] = self.block.of_face;
+        let is_back = L::has(words, 1 << layout.place_shift());
+        let floor = L::select(is_back, L::splat(back[0]), L::splat(front[0]));
+        let step_mm = L::select(
+            is_back,
+            L::splat(self.steps_mm[1]),
+            L::splat(self.steps_mm[0]),
+        );
+        let (heights, bits) = (layout.heights_shift(), layout.height_bits);
+        let steps = |from: u32| L::field(words, from, (1 << bits) - 1);
+        let low = floor + steps(heights) * step_mm;
+        let high = floor + (steps(heights + bits) + L::splat(1.0)) * step_mm;
+        let passes = |subcell: u32, shift: u32, [lowest, highest]: [f32; 2]| {
+            L::has(words, subcell << shift) & L::splat(lowest).le(high) & low.le(L::splat(highest))
         };
-        self.at = at;
+        let (quadrant, z) = pieces.start.unwrap_or_default();
+        let mut shown = passes(quadrant, layout.quadrants_shift(), [z, z]);
+        for &(subcell, heights) in &pieces.list[..pieces.count] {
+            shown = shown | passes(subcell, self.subcells_shift, heights);
+        }
+        shown
+    }
+
+    /// The loop of an entry.
+    #[inline(always)]
+    fn listed(&self, entry: BlockEntry) -> Listed {
         let cloth = self.block.cloth;
         let loops = &cloth.scene.loops;
         let side = cloth.grid.block_cells as i32;
@@ -285,13 +335,12 @@ impl Iterator for MetLoops<'_> {
         // Blocks are 1, 2 or 4 cells wide.
         let cell = place as i32 >> 1;
         let (x, y) = (cell & (side - 1), cell >> side.trailing_zeros());
-        Some(Listed {
+        Listed {
             index: loops.headers[cloth.grid.header(home)].loop_index(place),
-            cell: Vec3A::new(
+            cell: [
                 (right * side + x) as f32 * cloth.pitch.x,
                 (up * side + y) as f32 * cloth.pitch.y,
-                0.0,
-            ),
-        })
+            ],
+        }
     }
 }

@@ -71,7 +71,7 @@ impl Cloth {
 
     /// The patch of a loop whose cell's centre is at `cell`, seen from `point`.
     #[inline(always)]
-    pub fn patch(&self, index: u32, cell: Vec3A, point: Vec3A) -> Patch {
+    pub fn patch(&self, index: u32, [x, y]: [f32; 2], point: Vec3A) -> Patch {
         let LoopShape {
             axis,
             root_z0,
@@ -85,7 +85,7 @@ impl Cloth {
         let half_base = Vec3A::new(0.0, 0.5 * self.base_width, 0.5 * (z1 - z0));
         let root = Vec3A::new(0.0, 0.0, 0.5 * (z0 + z1));
         Patch {
-            middle: cell - point + root + axis * 0.5,
+            middle: Vec3A::new(x, y, 0.0) - point + root + axis * 0.5,
             along_u: half_base + half_top,
             along_v: axis,
             twist: (half_top - half_base) * 2.0,

@@ -10,6 +10,7 @@ use glam::Vec3A;
 use super::batch::Batch;
 use super::block::{BlockRay, Listed, LoopPart};
 use super::crossing::Crossing;
+use super::lanes::Lanes;
 use super::walk::SquareSpan;
 use super::{Scratch, Tracer};
 use crate::design::Method;
@@ -38,7 +39,12 @@ impl Tracer {
     /// The first event at which the transmittance along a camera ray falls below `xi`, as the point that scatters; each
     /// event is chosen with its share T·opacity of the light, so that the point counts with weight 1.
     #[inline(always)]
-    pub fn first_event(&self, ray: &Ray, xi: f64, scratch: &mut Scratch) -> Option<Vertex> {
+    pub fn first_event<L: Lanes>(
+        &self,
+        ray: &Ray,
+        xi: f64,
+        scratch: &mut Scratch,
+    ) -> Option<Vertex> {
         scratch.counters.rays += 1;
         let cloth = &self.cloth;
         let part = self.part_in_cloth(ray);
@@ -58,7 +64,7 @@ impl Tracer {
             let from = (span.enter - part[0]) as f32;
             let to = ground.map_or(span.leave, |hit| hit.t.min(span.leave)) - part[0];
             // Step 3: all loops crossed in this block.
-            self.solve_block(
+            self.solve_block::<L>(
                 ray,
                 &span,
                 from,
@@ -91,7 +97,7 @@ impl Tracer {
 
     /// Share of light that comes through along a shadow ray.
     #[inline(always)]
-    pub fn composited_visibility(&self, ray: &Ray, scratch: &mut Scratch) -> f64 {
+    pub fn composited_visibility<L: Lanes>(&self, ray: &Ray, scratch: &mut Scratch) -> f64 {
         scratch.counters.shadow_rays += 1;
         if self.is_blocked_by_ground(ray, scratch) {
             return 0.0;
@@ -103,7 +109,7 @@ impl Tracer {
         for span in cloth.grid.blocks(ray, part) {
             scratch.counters.cells += 1;
             let from = (span.enter - part[0]) as f32;
-            self.solve_block(ray, &span, from, part[0] as f32, scratch, |event, _| {
+            self.solve_block::<L>(ray, &span, from, part[0] as f32, scratch, |event, _| {
                 depth += event.depth;
             });
             if depth > DARK_DEPTH && self.ends_opaque_rays {
@@ -117,7 +123,7 @@ impl Tracer {
     /// Calls `found` for all events, here or further on, of the loops that a ray may meet in a block and that it has not
     /// solved before. The block begins `from` mm from where the ray came to the cloth, and that is `start` mm from its origin.
     #[inline(always)]
-    fn solve_block(
+    fn solve_block<L: Lanes>(
         &self,
         ray: &Ray,
         span: &SquareSpan,
@@ -146,30 +152,25 @@ impl Tracer {
             _ => LoopPart::Patch,
         };
         let starts = span.enter <= 0.0;
-        let mut listed = block.met_by(&part, looked_for, starts, self.skips_empty);
+        let mut met = block.met_by(&part, looked_for, starts, self.skips_empty);
         loop {
-            let next = listed.next();
-            if let Some(listed) = next {
-                if self.remembers_tests && mailbox.has(listed.index) {
-                    counters.repeated_tests += 1;
-                } else {
-                    batch.push(&self.cloth, listed);
-                }
-            }
-            if batch.is_full() || next.is_none() {
-                self.solve_batch(&mut batch, &part, [from, start], counters, &mut |event| {
-                    found(event, pending);
-                });
-                if next.is_none() {
-                    return;
-                }
+            let is_more_left = met.fill::<L>(&mut batch, |index| {
+                let is_known = self.remembers_tests && mailbox.has(index);
+                counters.repeated_tests += u64::from(is_known);
+                !is_known
+            });
+            self.solve_batch::<L>(&mut batch, &part, [from, start], counters, &mut |event| {
+                found(event, pending);
+            });
+            if !is_more_left {
+                return;
             }
         }
     }
 
     /// The events of the loops of a batch, which is emptied.
     #[inline(always)]
-    fn solve_batch(
+    fn solve_batch<L: Lanes>(
         &self,
         batch: &mut Batch,
         part: &BlockRay,
@@ -186,7 +187,7 @@ impl Tracer {
             batch.all()
         } else {
             counters.patch_tests += batch.len() as u64;
-            batch.crossed(&self.cloth, part)
+            batch.crossed::<L>(&self.cloth, part)
         };
         while crossed != 0 {
             let listed = batch.loop_of(crossed.trailing_zeros() as usize);

@@ -2,7 +2,7 @@
 //! [`mod@crate::reference`] by the same samples and the same means.
 //!
 //! ```text
-//! path ──► composite (single, layered) or tracked ──► walk over blocks ──► block: listed loops ──► patch, frame
+//! path ──► composite (single, layered) or tracked ──► walk over blocks ──► block: listed loops ──► patch, frames
 //!            │                                          └──► ground: cells of the weave
 //!            └──► crossing: slabs ──► volume: voxels
 //! ```
@@ -17,7 +17,7 @@ mod block;
 mod cloth;
 mod composite;
 mod crossing;
-mod frame;
+mod frames;
 mod ground;
 mod lanes;
 mod mailbox;
@@ -59,7 +59,8 @@ struct Scratch {
     mailbox: mailbox::Mailbox,
     /// Events of blocks to come, the nearest last.
     pending: Vec<composite::Event>,
-    along: Vec<tracked::Along>,
+    /// The frames that a ray may be in, within a block.
+    along: Vec<frames::Frames>,
     overlaps: Vec<tracked::Overlap>,
 }
 
@@ -115,10 +116,15 @@ impl Tracer {
         wide::sample(self, pixel, number, scratch)
     }
 
-    /// The same, in the instructions of whoever it is inlined into.
+    /// The same in eight lanes of `L`, in the instructions of whoever it is inlined into.
     #[inline(always)]
-    fn sample_here(&self, pixel: [u32; 2], number: u32, scratch: &mut Scratch) -> Sample {
-        path::PathTracer::new(self, pixel, number, scratch).sample(pixel)
+    fn sample_here<L: lanes::Lanes>(
+        &self,
+        pixel: [u32; 2],
+        number: u32,
+        scratch: &mut Scratch,
+    ) -> Sample {
+        path::PathTracer::new(self, pixel, number, scratch).sample::<L>(pixel)
     }
 
     /// The part of a ray in the box around loops and ground.

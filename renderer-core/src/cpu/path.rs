@@ -8,6 +8,7 @@ use std::f64::consts::FRAC_1_PI;
 
 use glam::{DVec2, DVec3};
 
+use super::lanes::Lanes;
 use super::{Scratch, Tracer};
 use crate::design::Method;
 use crate::geometry::Ray;
@@ -65,7 +66,7 @@ impl<'a> PathTracer<'a> {
 
     /// The radiance along the camera's ray through `pixel`, and what it met first: the sum over all scatterings of a path.
     #[inline(always)]
-    pub fn sample(mut self, pixel: [u32; 2]) -> Sample {
+    pub fn sample<L: Lanes>(mut self, pixel: [u32; 2]) -> Sample {
         let tracer = self.tracer;
         let settings = &tracer.settings;
         let lights = &tracer.cloth.scene.lights;
@@ -86,9 +87,9 @@ impl<'a> PathTracer<'a> {
             // Points found by compositing see their lights by compositing.
             let composited = bounce == 1 && settings.method != Method::Tracked;
             let found = if composited {
-                tracer.first_event(&ray, 1.0 - pick, self.scratch)
+                tracer.first_event::<L>(&ray, 1.0 - pick, self.scratch)
             } else {
-                tracer.collision(&ray, &mut self.pcg, self.scratch)
+                tracer.collision::<L>(&ray, &mut self.pcg, self.scratch)
             };
             let Some(vertex) = found else {
                 radiance += throughput * beyond.unwrap_or_default();
@@ -117,7 +118,7 @@ impl<'a> PathTracer<'a> {
                     0
                 },
             };
-            radiance += throughput * vertex.albedo * self.light(&vertex, view, gather);
+            radiance += throughput * vertex.albedo * self.light::<L>(&vertex, view, gather);
             let follows_environment = has_environment && !composited;
             if closing || bounce == settings.bounces && !follows_environment {
                 break;
@@ -148,7 +149,7 @@ impl<'a> PathTracer<'a> {
 
     /// Light scattered towards `view`, but for the albedo: of the suns, and of the environment if it is to be seen.
     #[inline(always)]
-    fn light(&mut self, vertex: &Vertex, view: DVec3, gather: Gather) -> DVec3 {
+    fn light<L: Lanes>(&mut self, vertex: &Vertex, view: DVec3, gather: Gather) -> DVec3 {
         let tracer = self.tracer;
         let lights = &tracer.cloth.scene.lights;
         let Gather {
@@ -213,9 +214,9 @@ impl<'a> PathTracer<'a> {
             let visibility = if !tracer.settings.shadows {
                 1.0
             } else if composited {
-                tracer.composited_visibility(&ray, self.scratch)
+                tracer.composited_visibility::<L>(&ray, self.scratch)
             } else {
-                tracer.tracked_visibility(&ray, &mut self.pcg, self.scratch)
+                tracer.tracked_visibility::<L>(&ray, &mut self.pcg, self.scratch)
             };
             if let Some((cache, entry)) = cache {
                 cache.add(entry + number, Seen::by(visibility));

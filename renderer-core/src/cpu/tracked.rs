@@ -1,16 +1,17 @@
 //! `tracked`: delta tracking (Woodcock) through the summed densities of all loops, and ratio tracking for shadow rays.
 //! Unbiased, without a step, overlaps exact (MODEL.md §9).
 //!
-//! Free paths in pile are far shorter than a block. So a ray goes on in stretches of a few mean free paths, and only the loops
-//! that reach into a stretch are looked at. In a stretch σ is at most the densest material's, where loops may overlap 1.5 times
-//! that; before the first loop and behind the last nothing is spent.
+//! In a block the loops that the ray may meet are looked up once, each with the part of the ray that may be in its frame. Where
+//! no part is, nothing is spent: the ray goes on to the next. In one frame σ is at most the densest material's, where frames
+//! overlap 1.5 times that.
 
 use std::ops::ControlFlow;
 
-use super::block::{Block, BlockRay, Listed, LoopPart};
-use super::frame::FrameRay;
+use super::batch::Batch;
+use super::block::{Block, BlockRay, LoopPart};
+use super::frames::Frames;
 use super::ground::GroundHit;
-use super::patch::Span;
+use super::lanes::{LANES, Lanes};
 use super::{Scratch, Tracer};
 use crate::geometry::Ray;
 use crate::optics::Vertex;
@@ -18,19 +19,8 @@ use crate::sampling::Pcg;
 
 /// How many times denser than one solid yarn overlapping yarns may be.
 const MOST_OVERLAP: f32 = 1.5;
-/// Length of a stretch, in mean free paths through solid yarn, and at least, mm.
-const STRETCH: f32 = 3.0;
-const SHORTEST_STRETCH_MM: f32 = 0.1;
 /// Transmittance of a shadow ray below which every second one ends and the other counts twice.
 const ROULETTE_BELOW: f32 = 1.0 / 16.0;
-
-/// A loop that a stretch may pass.
-#[derive(Debug)]
-pub(super) struct Along {
-    index: u32,
-    frame: FrameRay,
-    span: Span,
-}
 
 /// One loop at a point.
 #[derive(Debug, Clone, Copy)]
@@ -54,11 +44,16 @@ struct Tentative {
 impl Tracer {
     /// Where a ray collides; `None` if it leaves the cloth.
     #[inline(always)]
-    pub fn collision(&self, ray: &Ray, pcg: &mut Pcg, scratch: &mut Scratch) -> Option<Vertex> {
+    pub fn collision<L: Lanes>(
+        &self,
+        ray: &Ray,
+        pcg: &mut Pcg,
+        scratch: &mut Scratch,
+    ) -> Option<Vertex> {
         scratch.counters.rays += 1;
         let part = self.part_in_cloth(ray);
         let mut vertex = None;
-        let ground = self.track(ray, part, true, pcg, scratch, |tentative, pcg, scratch| {
+        let ground = self.track::<L>(ray, part, true, pcg, scratch, |tentative, pcg, scratch| {
             // One number decides both whether it collides and with which loop: with each in proportion to its part of σ.
             let mut rest = pcg.next_float() * tentative.majorant;
             if rest >= tentative.sigma {
@@ -86,7 +81,12 @@ impl Tracer {
 
     /// Share of light that comes through along a shadow ray: random, with the right mean.
     #[inline(always)]
-    pub fn tracked_visibility(&self, ray: &Ray, pcg: &mut Pcg, scratch: &mut Scratch) -> f64 {
+    pub fn tracked_visibility<L: Lanes>(
+        &self,
+        ray: &Ray,
+        pcg: &mut Pcg,
+        scratch: &mut Scratch,
+    ) -> f64 {
         scratch.counters.shadow_rays += 1;
         if self.is_blocked_by_ground(ray, scratch) {
             return 0.0;
@@ -94,7 +94,7 @@ impl Tracer {
         let grid = &self.cloth.grid;
         let part = grid.clip_blocks(ray, grid.loop_heights);
         let mut transmittance = 1.0_f32;
-        self.track(ray, part, false, pcg, scratch, |tentative, pcg, scratch| {
+        self.track::<L>(ray, part, false, pcg, scratch, |tentative, pcg, scratch| {
             scratch.counters.contributing_hits += 1;
             transmittance *= 1.0 - tentative.sigma / tentative.majorant;
             if transmittance < ROULETTE_BELOW && self.ends_opaque_rays {
@@ -113,7 +113,7 @@ impl Tracer {
     /// Calls `collide` at the tentative collisions of a ray, in order, until it breaks or the ray meets the ground (if it is
     /// to be looked for) or leaves the cloth; the ground's hit if it got there.
     #[inline(always)]
-    fn track(
+    fn track<L: Lanes>(
         &self,
         ray: &Ray,
         part: [f64; 2],
@@ -124,7 +124,6 @@ impl Tracer {
     ) -> Option<GroundHit> {
         let cloth = &self.cloth;
         let mut depth_left = free_depth(pcg);
-        let stretch = f64::from((STRETCH / cloth.densest.max(1e-6)).max(SHORTEST_STRETCH_MM));
         for mut span in cloth.grid.blocks(ray, part) {
             scratch.counters.cells += 1;
             let ground = if finds_ground {
@@ -144,26 +143,21 @@ impl Tracer {
             if from >= end && self.skips_empty {
                 scratch.counters.skipped_cells += 1;
             }
-            span.enter = from;
-            while span.enter < end {
-                span.leave = end.min(span.enter + stretch);
+            if from < end {
+                (span.enter, span.leave) = (from, end);
                 let piece = cloth.in_block(ray, &span);
-                let mut along = std::mem::take(&mut scratch.along);
-                self.loops_along(&piece, block, &mut along, scratch);
-                let flow = self.fly(
-                    &piece,
-                    span.enter,
-                    &along,
+                self.loops_along::<L>(&piece, block, scratch);
+                let flow = self.fly::<L>(
+                    piece.length,
+                    from,
                     &mut depth_left,
                     pcg,
                     scratch,
                     &mut collide,
                 );
-                scratch.along = along;
                 if flow.is_break() {
                     return None;
                 }
-                span.enter = span.leave;
             }
             if ground.is_some() {
                 return ground;
@@ -172,116 +166,128 @@ impl Tracer {
         None
     }
 
-    /// The loops that a ray may meet in a stretch, each with where.
+    /// Looks up the loops that a ray may meet in its part in a block, each with where: into `scratch`.
     #[inline(always)]
-    fn loops_along(
-        &self,
-        piece: &BlockRay,
-        block: Block<'_>,
-        along: &mut Vec<Along>,
-        scratch: &mut Scratch,
-    ) {
-        along.clear();
-        let whole = Span {
-            low: 0.0,
-            high: piece.length,
-        };
+    fn loops_along<L: Lanes>(&self, piece: &BlockRay, block: Block<'_>, scratch: &mut Scratch) {
         let cloth = &self.cloth;
-        let mut look = |listed: Listed| {
-            scratch.counters.patch_tests += 1;
-            let patch = cloth.patch(listed.index, listed.cell, piece.point);
-            let frame = FrameRay::new(&patch, cloth.thickness, piece.direction);
-            let span = frame.clip(whole);
-            if !span.is_empty() {
-                along.push(Along {
-                    index: listed.index,
-                    frame,
-                    span,
-                });
+        let along = &mut scratch.along;
+        along.clear();
+        let mut free = 0;
+        let mut batch = Batch::new();
+        let mut met = block.met_by(piece, LoopPart::Volume, false, self.skips_empty);
+        loop {
+            let is_more_left = met.fill::<L>(&mut batch, |_| true);
+            if !batch.is_empty() {
+                scratch.counters.patch_tests += batch.len() as u64;
+                let (frames, mut kept) = Frames::new::<L>(&batch, cloth, piece);
+                while kept != 0 {
+                    if free == 0 {
+                        along.push(Frames::NONE);
+                        free = LANES;
+                    }
+                    if let Some(last) = along.last_mut() {
+                        last.put(LANES - free, &frames, kept.trailing_zeros() as usize);
+                    }
+                    kept &= kept - 1;
+                    free -= 1;
+                }
+                batch.clear();
             }
-        };
-        for listed in block.met_by(piece, LoopPart::Volume, false, self.skips_empty) {
-            look(listed);
+            if !is_more_left {
+                return;
+            }
         }
     }
 
-    /// Calls `collide` at the tentative collisions in a stretch that begins at distance `start`.
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "the state of a flight, taken apart for the borrow checker"
-    )]
-    fn fly(
+    /// Calls `collide` at the tentative collisions in a part of a ray, `length` mm long, that begins at distance `start`.
+    #[inline(always)]
+    fn fly<L: Lanes>(
         &self,
-        piece: &BlockRay,
+        length: f32,
         start: f64,
-        along: &[Along],
         depth_left: &mut f32,
         pcg: &mut Pcg,
         scratch: &mut Scratch,
         collide: &mut impl FnMut(&Tentative, &mut Pcg, &mut Scratch) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        let majorant = match along {
-            [] => return ControlFlow::Continue(()),
-            [_] => self.cloth.densest,
-            _ => MOST_OVERLAP * self.cloth.densest,
-        };
-        // Nothing is met before the first loop, nor behind the last.
-        let mut t = along
-            .iter()
-            .fold(piece.length, |t, along| t.min(along.span.low));
-        let end = along
-            .iter()
-            .fold(0.0_f32, |t, along| t.max(along.span.high));
-        loop {
-            let collision = t + *depth_left / majorant;
-            let is_before_end = collision < end;
-            if !is_before_end {
-                *depth_left -= (end - t).max(0.0) * majorant;
-                *depth_left = depth_left.max(0.0);
-                return ControlFlow::Continue(());
+        let mut t = 0.0_f32;
+        // From one place where a loop begins or ends to the next.
+        while t < length {
+            let (mut around, mut end) = (0, length);
+            for frames in &mut scratch.along {
+                let next = frames.hold::<L>(t);
+                around += frames.holding.count_ones();
+                end = end.min(next);
             }
-            t = collision;
-            let sigma = self.overlaps_at(t, along, scratch);
-            if sigma > 0.0 {
-                let tentative = Tentative {
-                    t: start + f64::from(t),
-                    majorant,
-                    sigma,
-                };
-                collide(&tentative, pcg, scratch)?;
+            let majorant = match around {
+                0 => {
+                    t = end;
+                    continue;
+                }
+                1 => self.cloth.densest,
+                _ => MOST_OVERLAP * self.cloth.densest,
+            };
+            loop {
+                let collision = t + *depth_left / majorant;
+                let is_before_end = collision < end;
+                if !is_before_end {
+                    *depth_left = (*depth_left - (end - t) * majorant).max(0.0);
+                    t = end;
+                    break;
+                }
+                t = collision;
+                let sigma = self.overlaps_at::<L>(t, scratch);
+                if sigma > 0.0 {
+                    let tentative = Tentative {
+                        t: start + f64::from(t),
+                        majorant,
+                        sigma,
+                    };
+                    collide(&tentative, pcg, scratch)?;
+                }
+                *depth_left = free_depth(pcg);
             }
-            *depth_left = free_depth(pcg);
         }
+        ControlFlow::Continue(())
     }
 
-    /// σ at `t` of a stretch, and in `scratch` the loops that make it.
+    /// σ at `t` of a part of a ray, and in `scratch` the loops that make it.
     #[inline(always)]
-    fn overlaps_at(&self, t: f32, along: &[Along], scratch: &mut Scratch) -> f32 {
+    fn overlaps_at<L: Lanes>(&self, t: f32, scratch: &mut Scratch) -> f32 {
         let Scratch {
-            counters, overlaps, ..
+            counters,
+            along,
+            overlaps,
+            ..
         } = scratch;
         overlaps.clear();
+        let per_thickness = 1.0 / self.cloth.thickness;
         let (mut sum_rho, mut sum_sigma) = (0.0, 0.0);
-        for loop_along in along {
-            if !(loop_along.span.low <= t && t <= loop_along.span.high) {
+        for frames in along {
+            if frames.holding == 0 {
                 continue;
             }
-            counters.patch_tests += 1;
-            let Some(place) = loop_along.frame.inside(t) else {
-                continue;
-            };
-            counters.volume_samples += 1;
-            let yarn = self.cloth.yarn(loop_along.index);
-            let [u, v, w] = place;
-            let rho = yarn.rho(u, v, w);
-            if rho > 0.0 {
-                let sigma = yarn.density * rho;
-                (sum_rho, sum_sigma) = (sum_rho + rho, sum_sigma + sigma);
-                overlaps.push(Overlap {
-                    index: loop_along.index,
-                    place,
-                    sigma,
-                });
+            counters.patch_tests += u64::from(frames.holding.count_ones());
+            let places = frames.places::<L>(t, per_thickness);
+            let mut inside = frames.holding & places.inside;
+            while inside != 0 {
+                let lane = inside.trailing_zeros() as usize & (LANES - 1);
+                inside &= inside - 1;
+                counters.volume_samples += 1;
+                let index = frames.index[lane];
+                let yarn = self.cloth.yarn(index);
+                let place = [places.u[lane], places.v[lane], places.w[lane]];
+                let [u, v, w] = place;
+                let rho = yarn.rho(u, v, w);
+                if rho > 0.0 {
+                    let sigma = yarn.density * rho;
+                    (sum_rho, sum_sigma) = (sum_rho + rho, sum_sigma + sigma);
+                    overlaps.push(Overlap {
+                        index,
+                        place,
+                        sigma,
+                    });
+                }
             }
         }
         // Where yarns overlap too much they displace each other (MODEL.md §5).
@@ -299,5 +305,6 @@ impl Tracer {
 /// A random optical depth with density e^−x.
 #[inline(always)]
 fn free_depth(pcg: &mut Pcg) -> f32 {
-    -(-pcg.next_float()).ln_1p()
+    // Random numbers are multiples of 2⁻²⁴: the difference is exact.
+    -(1.0 - pcg.next_float()).ln()
 }

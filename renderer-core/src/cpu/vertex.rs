@@ -34,7 +34,7 @@ impl Tracer {
         shade: f32,
     ) -> Vertex {
         let cloth = &self.cloth;
-        let patch = cloth.patch(index, Vec3A::ZERO, Vec3A::ZERO);
+        let patch = cloth.patch(index, [0.0; 2], Vec3A::ZERO);
         let normal = patch.normal().as_dvec3();
         let look = cloth.scene.looks[index as usize];
         let material = usize::from(look.material);

@@ -1,0 +1,220 @@
+//! A ray in the coordinates of loops' frames, eight loops at once, in f32: MODEL.md §4's inversion along a line.
+//!
+//! Projected along n̂ onto the plane of b and c a point has coordinates p = u′(1 + αv′), q = v′(1 + βu′), u′ = u − ½,
+//! v′ = v − ½, with αb + βc the part of A in that plane. p, q and the height over the plane are linear along a ray: six
+//! products are made once for a loop, and a point costs a square root.
+
+use super::batch::{Batch, Patches};
+use super::block::BlockRay;
+use super::cloth::Cloth;
+use super::lanes::{LANES, Lanes, Vectors};
+
+/// By how much frames are taken to be thicker where the part of a ray is looked for that may be in them: rounding of the bent
+/// surfaces' coefficients is below a ten-thousandth of usual thicknesses.
+const WIDENED: f32 = 1.001;
+
+/// Eight frames, each with the part of the ray that may be in it; t in mm from the ray's point.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(32))]
+pub(super) struct Frames {
+    /// Start and slope of p, q and height along the ray.
+    p: [[f32; LANES]; 2],
+    q: [[f32; LANES]; 2],
+    height: [[f32; LANES]; 2],
+    /// α and β.
+    skew: [[f32; LANES]; 2],
+    /// A·n̂, mm.
+    lift: [f32; LANES],
+    /// Outside of these the ray is certainly not in the frame. Lanes without a loop are never in one.
+    low: [f32; LANES],
+    high: [f32; LANES],
+    /// A bit for each lane whose part of the ray holds a point of it.
+    pub holding: u32,
+    pub index: [u32; LANES],
+}
+
+/// Where in eight frames a point is.
+pub(super) struct Places {
+    /// A bit for each frame that it is in: u and v in [0, 1], w in [−½, ½].
+    pub inside: u32,
+    pub u: [f32; LANES],
+    pub v: [f32; LANES],
+    pub w: [f32; LANES],
+}
+
+/// The part of `part` in which start + slope·t is within −`bound` and `bound`.
+#[inline(always)]
+fn clip<L: Lanes>([low, high]: [L; 2], [start, slope]: [L; 2], bound: L) -> [L; 2] {
+    // A slope below 10⁻⁹ moves less than f32 resolves over any part inside a loop.
+    let least = L::splat(1e-9);
+    let inverse = L::splat(1.0) / L::select(slope.abs().lt(least), least, slope);
+    let (a, b) = ((-bound - start) * inverse, (bound - start) * inverse);
+    // NaN leaves what was.
+    [a.min(b).max(low), a.max(b).min(high)]
+}
+
+/// The ends of what of `part` has c₀ + c₁t + c₂t² within −`most` and `most`: in between there may be more outside.
+#[inline(always)]
+fn clip_bent<L: Lanes>([low, high]: [L; 2], [c0, c1, c2]: [L; 3], most: L) -> [L; 2] {
+    // Turned so that it opens upwards: it is below `most` between two roots, and below −`most` between two others.
+    let turn = c2.lt(L::splat(0.0));
+    let up = |c: L| L::select(turn, -c, c);
+    let (c0, c1, c2) = (up(c0), up(c1), up(c2));
+    let [first, last] = roots(c0 - most, c1, c2);
+    let [fall, rise] = roots(c0 + most, c1, c2);
+    let (low, high) = (first.max(low), last.min(high));
+    let is_below = |t: L| fall.lt(t) & t.lt(rise);
+    [
+        L::select(is_below(low), rise, low),
+        L::select(is_below(high), fall, high),
+    ]
+}
+
+/// Between which two c₀ + c₁t + c₂t² with c₂ ≥ 0 is below 0, the lower first; +∞ and −∞ where it never is.
+#[inline(always)]
+fn roots<L: Lanes>(c0: L, c1: L, c2: L) -> [L; 2] {
+    let zero = L::splat(0.0);
+    let discriminant = c1 * c1 - L::splat(4.0) * c0 * c2;
+    let root = discriminant.max(zero).sqrt();
+    let is_falling = c1.lt(zero);
+    let q = L::splat(-0.5) * (c1 + L::select(is_falling, -root, root));
+    let (a, b) = (q / c2, c0 / q);
+    // Without roots it is below 0 everywhere or nowhere.
+    let has_roots = zero.lt(discriminant);
+    let infinity = L::splat(f32::INFINITY);
+    let nowhere = L::select(c0.lt(zero), -infinity, infinity);
+    [
+        L::select(has_roots, L::select(is_falling, b, a), nowhere),
+        L::select(has_roots, L::select(is_falling, a, b), -nowhere),
+    ]
+}
+
+#[inline(always)]
+fn stored<L: Lanes>(lanes: L) -> [f32; LANES] {
+    let mut values = [0.0; LANES];
+    lanes.store(&mut values);
+    values
+}
+
+impl Frames {
+    /// No loops.
+    pub const NONE: Self = Self {
+        p: [[0.0; LANES]; 2],
+        q: [[0.0; LANES]; 2],
+        height: [[0.0; LANES]; 2],
+        skew: [[0.0; LANES]; 2],
+        lift: [0.0; LANES],
+        low: [f32::INFINITY; LANES],
+        high: [f32::NEG_INFINITY; LANES],
+        holding: 0,
+        index: [0; LANES],
+    };
+
+    /// The frames of a batch, and a bit for each that the ray may be in.
+    #[inline(always)]
+    pub fn new<L: Lanes>(batch: &Batch, cloth: &Cloth, part: &BlockRay) -> (Self, u32) {
+        let Patches {
+            middle,
+            along_u,
+            along_v,
+            twist,
+        } = batch.patches::<L>(cloth, part);
+        let direction = Vectors::splat(part.direction);
+        let product = along_u.cross(along_v);
+        let per_area = L::splat(1.0) / product.dot(product).max(L::splat(1e-30));
+        let normal = product.scaled(per_area.sqrt());
+        let unit = product.scaled(per_area);
+        let duals = [along_v.cross(unit), unit.cross(along_u)];
+        let p = [-middle.dot(duals[0]), direction.dot(duals[0])];
+        let q = [-middle.dot(duals[1]), direction.dot(duals[1])];
+        let height = [-middle.dot(normal), direction.dot(normal)];
+        let (alpha, beta) = (twist.dot(duals[0]), twist.dot(duals[1]));
+        let lift = twist.dot(normal);
+
+        // |u′| and |v′| stay within ½, and with them p and q.
+        let (half, quarter) = (L::splat(0.5), L::splat(0.25));
+        let part = [L::splat(0.0), L::splat(part.length)];
+        let part = clip(part, p, half + quarter * alpha.abs());
+        let part = clip(part, q, half + quarter * beta.abs());
+        // And |w|, with w·h = height − u′v′·lift. u′v′ is pq but for (1 + αv′)(1 + βu′), and at most ¼.
+        let (half_alpha, half_beta) = (half * alpha.abs(), half * beta.abs());
+        let differ = half_alpha + half_beta + half_alpha * half_beta;
+        let most = L::splat(0.5 * WIDENED * cloth.thickness) + quarter * lift.abs() * differ;
+        let bent = [
+            height[0] - lift * p[0] * q[0],
+            height[1] - lift * (p[0] * q[1] + p[1] * q[0]),
+            -lift * p[1] * q[1],
+        ];
+        let [low, high] = clip_bent(part, bent, most);
+
+        let kept = L::bits(low.lt(high)) & batch.all();
+        let frames = Self {
+            p: [stored(p[0]), stored(p[1])],
+            q: [stored(q[0]), stored(q[1])],
+            height: [stored(height[0]), stored(height[1])],
+            skew: [stored(alpha), stored(beta)],
+            lift: stored(lift),
+            low: stored(low),
+            high: stored(high),
+            holding: 0,
+            index: batch.indices(),
+        };
+        (frames, kept)
+    }
+
+    /// Makes `lane` the one that `from` is in `others`.
+    #[inline(always)]
+    pub fn put(&mut self, lane: usize, others: &Self, from: usize) {
+        let (lane, from) = (lane & (LANES - 1), from & (LANES - 1));
+        for end in 0..2 {
+            self.p[end][lane] = others.p[end][from];
+            self.q[end][lane] = others.q[end][from];
+            self.height[end][lane] = others.height[end][from];
+            self.skew[end][lane] = others.skew[end][from];
+        }
+        self.lift[lane] = others.lift[from];
+        self.low[lane] = others.low[from];
+        self.high[lane] = others.high[from];
+        self.index[lane] = others.index[from];
+    }
+
+    /// Notes whose part of the ray holds `t`; where that changes next.
+    #[inline(always)]
+    pub fn hold<L: Lanes>(&mut self, t: f32) -> f32 {
+        let t = L::splat(t);
+        let (low, high) = (L::load(&self.low), L::load(&self.high));
+        let begun = low.le(t);
+        let never = L::splat(f32::INFINITY);
+        self.holding = L::bits(begun & t.lt(high));
+        L::select(begun, L::select(t.lt(high), high, never), low).least()
+    }
+
+    /// (u, v, w) at `t`. Exact for convex frames.
+    ///
+    /// From p and q: βu′² + (1 + δ)u′ − p = 0 and αv′² + (1 − δ)v′ − q = 0 with δ = αq − βp. Both have the discriminant
+    /// (1 + δ)² + 4βp = (1 − δ)² + 4αq; of their roots those are taken that vanish with p and q.
+    #[inline(always)]
+    pub fn places<L: Lanes>(&self, t: f32, per_thickness: f32) -> Places {
+        let t = L::splat(t);
+        let p = L::load(&self.p[0]) + L::load(&self.p[1]) * t;
+        let q = L::load(&self.q[0]) + L::load(&self.q[1]) * t;
+        let height = L::load(&self.height[0]) + L::load(&self.height[1]) * t;
+        let (alpha, beta) = (L::load(&self.skew[0]), L::load(&self.skew[1]));
+        let (zero, half, one) = (L::splat(0.0), L::splat(0.5), L::splat(1.0));
+        let (alpha_q, beta_p) = (alpha * q, beta * p);
+        let delta = alpha_q - beta_p;
+        let sum = alpha_q + beta_p;
+        let discriminant = one + delta * delta + (sum + sum);
+        let root = one + discriminant.max(zero).sqrt();
+        let u = (p + p) / (root + delta);
+        let v = (q + q) / (root - delta);
+        let w = (height - u * v * L::load(&self.lift)) * L::splat(per_thickness);
+        let inside = zero.le(discriminant) & u.abs().le(half) & v.abs().le(half) & w.abs().le(half);
+        Places {
+            inside: L::bits(inside),
+            u: stored(u + half),
+            v: stored(v + half),
+            w: stored(w),
+        }
+    }
+}

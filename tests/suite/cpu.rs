@@ -5,6 +5,7 @@
 mod cloths;
 mod expectation;
 mod far;
+mod instructions;
 mod presets;
 mod scenes;
 mod skips;

@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-use super::{Scratch, Tracer};
+use super::{Instructions, Scratch, Tracer};
 use crate::design::Method;
 use crate::image::Picture;
 use crate::render::progressive::{Progressive, Threads};
@@ -12,7 +12,18 @@ use crate::render::{Backend, BackendKind, Counters, Progress, RenderError, Rende
 /// All processor cores.
 #[derive(Debug, Default)]
 pub struct CpuBackend {
+    instructions: Instructions,
     work: Option<(Tracer, Progressive)>,
+}
+
+impl CpuBackend {
+    /// Draws with such instructions.
+    pub fn with_instructions(instructions: Instructions) -> Self {
+        Self {
+            instructions,
+            work: None,
+        }
+    }
 }
 
 impl Backend for CpuBackend {
@@ -42,7 +53,7 @@ impl Backend for CpuBackend {
         // The old sums go before there is room for new ones.
         let last = self.work.take().map(|(tracer, _)| tracer);
         let progressive = Progressive::new(request)?;
-        let tracer = Tracer::new(request, last.as_ref());
+        let tracer = Tracer::new(request, self.instructions, last.as_ref());
         self.work = Some((tracer, progressive));
         Ok(())
     }

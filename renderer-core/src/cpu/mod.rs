@@ -37,6 +37,7 @@ use crate::render::shadow_cache::{ShadowCache, ShadowKey};
 use crate::render::{Camera, Counters, RenderRequest, Settings, Skip};
 
 pub use backend::CpuBackend;
+pub use wide::Instructions;
 
 /// Draws samples of one request.
 #[derive(Debug)]
@@ -45,6 +46,7 @@ struct Tracer {
     camera: Camera,
     size: [u32; 2],
     settings: Settings,
+    instructions: Instructions,
     skips_empty: bool,
     remembers_tests: bool,
     ends_opaque_rays: bool,
@@ -72,7 +74,7 @@ impl AsMut<Counters> for Scratch {
 
 impl Tracer {
     /// Prepares for `request`; what `last` derived from parts of its scene that did not change is kept.
-    fn new(request: &RenderRequest, last: Option<&Self>) -> Self {
+    fn new(request: &RenderRequest, instructions: Instructions, last: Option<&Self>) -> Self {
         let settings = request.settings;
         let skips = settings.skips;
         let kept = last.and_then(|last| last.shadow_cache.as_ref());
@@ -85,6 +87,7 @@ impl Tracer {
             camera: request.camera,
             size: request.size,
             settings,
+            instructions,
             skips_empty: skips.has(Skip::EmptyCells),
             remembers_tests: skips.has(Skip::RepeatedTests),
             ends_opaque_rays: skips.has(Skip::OpaqueRays),

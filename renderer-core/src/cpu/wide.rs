@@ -2,23 +2,34 @@
 //! in rounding and counting bits. Looked for when the program runs; on all other processors the same code runs in the
 //! instructions that the program was built for.
 
-#[cfg(target_arch = "x86_64")]
-pub(super) use avx2::sample;
+use super::lanes::Plain;
+use super::{Scratch, Tracer};
+use crate::render::accumulation::Sample;
 
-#[cfg(not(target_arch = "x86_64"))]
-pub(super) use plain::sample;
+/// The instructions that the processor draws with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Instructions {
+    /// The widest that it has.
+    #[default]
+    Widest,
+    /// Those that the program was built for. The picture is the same to the bit.
+    Plain,
+}
 
-/// Everything in the instructions that the program was built for.
-#[cfg(not(target_arch = "x86_64"))]
-mod plain {
-    use crate::cpu::lanes::Plain;
-    use crate::cpu::{Scratch, Tracer};
-    use crate::render::accumulation::Sample;
-
-    /// [`Tracer::sample_here`].
-    pub fn sample(tracer: &Tracer, pixel: [u32; 2], number: u32, scratch: &mut Scratch) -> Sample {
-        tracer.sample_here::<Plain>(pixel, number, scratch)
+/// Sample `number` of `pixel`.
+pub(super) fn sample(
+    tracer: &Tracer,
+    pixel: [u32; 2],
+    number: u32,
+    scratch: &mut Scratch,
+) -> Sample {
+    #[cfg(target_arch = "x86_64")]
+    if tracer.instructions == Instructions::Widest
+        && let Some(sample) = avx2::sample(tracer, pixel, number, scratch)
+    {
+        return sample;
     }
+    tracer.sample_here::<Plain>(pixel, number, scratch)
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -30,12 +41,18 @@ mod avx2 {
     use std::arch::x86_64::*;
     use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Sub};
 
-    use crate::cpu::lanes::{LANES, Lanes, Plain};
+    use crate::cpu::lanes::{LANES, Lanes};
     use crate::cpu::{Scratch, Tracer};
     use crate::render::accumulation::Sample;
 
-    /// [`Tracer::sample_here`] in the widest instructions there are.
-    pub fn sample(tracer: &Tracer, pixel: [u32; 2], number: u32, scratch: &mut Scratch) -> Sample {
+    /// [`Tracer::sample_here`] in eight lanes; `None` on a processor that has not all of the instructions.
+    #[inline(always)]
+    pub fn sample(
+        tracer: &Tracer,
+        pixel: [u32; 2],
+        number: u32,
+        scratch: &mut Scratch,
+    ) -> Option<Sample> {
         #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
         fn in_avx2(tracer: &Tracer, pixel: [u32; 2], number: u32, scratch: &mut Scratch) -> Sample {
             tracer.sample_here::<Avx2>(pixel, number, scratch)
@@ -45,12 +62,8 @@ mod avx2 {
             && is_x86_feature_detected!("bmi2")
             && is_x86_feature_detected!("lzcnt")
             && is_x86_feature_detected!("popcnt");
-        if has_all {
-            // SAFETY: the processor has each of the features that the function is compiled for.
-            unsafe { in_avx2(tracer, pixel, number, scratch) }
-        } else {
-            tracer.sample_here::<Plain>(pixel, number, scratch)
-        }
+        // SAFETY: the processor has each of the features that the function is compiled for.
+        has_all.then(|| unsafe { in_avx2(tracer, pixel, number, scratch) })
     }
 
     /// Eight numbers in one register. Named in this module only, by `in_avx2`, so that no other code can make one: all `unsafe`

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use anyhow::anyhow;
+use renderer_core::cpu::{CpuBackend, Instructions};
 use renderer_core::design::Design;
 use renderer_core::render::{Backend, BackendKind, Counters, RenderRequest};
 use renderer_core::scene;
@@ -27,7 +28,7 @@ const MOST_TURNS: u32 = 9;
 #[derive(Debug, Clone)]
 pub struct Line {
     /// Which.
-    pub backend: BackendKind,
+    pub name: &'static str,
     /// What was found, or why nothing was.
     pub found: Result<Found, String>,
 }
@@ -53,6 +54,14 @@ pub struct Found {
     pub turns: u32,
 }
 
+/// A way to draw that is measured.
+#[derive(Clone, Copy)]
+enum Way {
+    Backend(BackendChoice),
+    /// The processor without the wide instructions that it may have.
+    Plain,
+}
+
 /// A backend at work.
 struct Contender {
     backend: Box<dyn Backend>,
@@ -72,21 +81,25 @@ pub fn measure(
     let scene = Arc::new(scene::compile(design)?);
     let request = drawing::request(design, &scene, conditions.size, 1)?;
     let mut lines = Vec::new();
-    for (choice, backend) in [
-        (BackendChoice::Cpu, BackendKind::Cpu),
-        (BackendChoice::Reference, BackendKind::Reference),
+    for (name, way) in [
+        (BackendKind::Cpu.name(), Way::Backend(BackendChoice::Cpu)),
+        ("cpu without wide instructions", Way::Plain),
+        (
+            BackendKind::Reference.name(),
+            Way::Backend(BackendChoice::Reference),
+        ),
         // The last: on a software adapter it may take all of the time.
-        (BackendChoice::Gpu, BackendKind::Gpu),
+        (BackendKind::Gpu.name(), Way::Backend(BackendChoice::Gpu)),
     ] {
-        say(&format!("backend {}", backend.name()));
+        say(&format!("backend {name}"));
         let is_late = !lines.is_empty() && Instant::now() >= deadline;
         let found = if is_late {
             Err("time was up".into())
         } else {
             // A machine without a GPU, or a method that it does not draw, is a finding.
-            first(choice, &request, deadline).map_err(|error| error.to_string())
+            first(way, &request, deadline).map_err(|error| error.to_string())
         };
-        lines.push((backend, found));
+        lines.push((name, found));
     }
     let turns = Turns {
         deadline,
@@ -109,20 +122,19 @@ pub fn measure(
         long = start.elapsed();
         turn += 1;
     }
-    let line = |(backend, contender): (_, Result<Contender, String>)| Line {
-        backend,
+    let line = |(name, contender): (_, Result<Contender, String>)| Line {
+        name,
         found: contender.map(|contender| contender.found),
     };
     Ok(lines.into_iter().map(line).collect())
 }
 
 /// Makes a backend and draws once with it, if that does not take until long after `deadline`.
-fn first(
-    choice: BackendChoice,
-    request: &RenderRequest,
-    deadline: Instant,
-) -> anyhow::Result<Contender> {
-    let mut backend = backend::make(choice)?;
+fn first(way: Way, request: &RenderRequest, deadline: Instant) -> anyhow::Result<Contender> {
+    let mut backend = match way {
+        Way::Backend(choice) => backend::make(choice)?,
+        Way::Plain => Box::new(CpuBackend::with_instructions(Instructions::Plain)),
+    };
     let until = deadline.max(Instant::now() + LONGEST_FIRST);
     let drawn = draw(&mut *backend, request, Some(until))?;
     let drawn = drawn.ok_or_else(|| anyhow!("time was up"))?;
@@ -157,7 +169,7 @@ pub fn csv(all: &[Measured], conditions: &Conditions) -> String {
         .iter()
         .flat_map(|measured| measured.backends.iter().map(|line| (&measured.name, line)));
     let line = |(preset, line): (&String, &Line)| {
-        let mut fields = vec![quoted(preset), line.backend.name().into()];
+        let mut fields = vec![quoted(preset), line.name.into()];
         match &line.found {
             Err(why) => {
                 fields.push(quoted(&format!("no: {why}")));
@@ -216,7 +228,7 @@ pub fn section(lines: &[Line]) -> String {
                 )
             }
         };
-        let _ = writeln!(text, "| {} | {rest} |", line.backend.name());
+        let _ = writeln!(text, "| {} | {rest} |", line.name);
     }
     text
 }
@@ -235,7 +247,7 @@ pub fn bars(preset: &str, conditions: &Conditions, lines: &[Line]) -> Bars {
             Err(_) => (None, "not measured".into()),
         };
         Bar {
-            name: line.backend.name().into(),
+            name: line.name.into(),
             value,
             text,
         }

@@ -1,0 +1,32 @@
+//! The wide instructions of some processors draw what plain ones draw, to the bit. Where there are none both are plain.
+
+use renderer_core::cpu::{CpuBackend, Instructions};
+use renderer_core::design::Method;
+use renderer_core::render::Backend;
+
+use super::scenes::{CAMERAS, LOOPS};
+use crate::support::device::finish;
+use crate::support::scenes::{request, small_towel};
+
+#[test]
+fn wide_and_plain_instructions_draw_the_same_bits() {
+    for method in [Method::Single, Method::Layered, Method::Tracked] {
+        for (what, edit) in LOOPS.iter().chain(&CAMERAS[1..]) {
+            let mut design = small_towel();
+            (design.quality.method, design.quality.bounces) = (method, 3);
+            edit(&mut design);
+            let mut request = request(&design, [48, 40]);
+            request.settings.counters = true;
+            let [wide, plain] = [Instructions::Widest, Instructions::Plain].map(|instructions| {
+                let mut cpu = CpuBackend::with_instructions(instructions);
+                let bits = |x: &[f32; 4]| x.map(f32::to_bits);
+                let picture = finish(&mut cpu, &request);
+                let pixels: Vec<_> = picture.pixels.iter().map(bits).collect();
+                (pixels, cpu.counters().unwrap())
+            });
+            assert!(wide.1.rays > 0, "{what}: nothing was drawn");
+            assert_eq!(wide.1, plain.1, "{what} by {method:?}");
+            assert!(wide.0 == plain.0, "{what} by {method:?}: other pixels");
+        }
+    }
+}

@@ -30,8 +30,16 @@ fn every_volume_has_its_voxels() {
         variants: 3,
         ..Pile::default()
     };
-    let volumes = rasterise(&pile, &[PileKind::Terry, PileKind::Cut], 3.0);
-    assert_eq!(volumes.voxels.len(), 2 * 3 * 5 * 12 * 12);
+    let volumes = rasterise(&pile, PileKind::ALL, 3.0);
+    let volume = 3 * 5 * 12 * 12;
+    assert_eq!(volumes.voxels.len(), PileKind::ALL.len() * volume);
+    for (kind, voxels) in PileKind::ALL.iter().zip(volumes.voxels.chunks(volume)) {
+        let full = voxels.iter().filter(|voxel| voxel[0] > 0).count();
+        assert!(
+            full > volume / 50 && full < volume,
+            "{kind:?}: {full} voxels of {volume}"
+        );
+    }
     assert!(
         volumes.tangents.is_empty(),
         "isotropic pile needs no fibre directions"
@@ -172,4 +180,118 @@ fn cut_pile_blooms() {
             .count()
     };
     assert!(width(pile.resolution * 3 / 4) > width(1) + 3);
+}
+
+/// A pile with room around it, and the sums of ρ of each row of its first variant, from the root up.
+fn rows(kind: PileKind, edit: impl Fn(&mut Pile)) -> (Pile, Volumes, Vec<f64>) {
+    let mut pile = Pile {
+        hairiness: 0.0,
+        variants: 2,
+        base_width: 4.0,
+        thickness: 4.0,
+        yarn_diameter: 1.4,
+        layers: 24,
+        ..Pile::default()
+    };
+    edit(&mut pile);
+    let volumes = rasterise(&pile, &[kind], 12.0);
+    let sum = |b: u32| {
+        (0..pile.layers)
+            .flat_map(|layer| (0..pile.resolution).map(move |a| (layer, a)))
+            .map(|(layer, a)| density(&volumes, 0, layer, b, a))
+            .sum()
+    };
+    let rows = (0..pile.resolution).map(sum).collect();
+    (pile, volumes, rows)
+}
+
+/// No kind is cut off by the faces of its volume.
+#[test]
+fn no_kind_outgrows_its_volume() {
+    for &kind in PileKind::ALL {
+        let (pile, volumes, rows) = rows(kind, |_| ());
+        assert_eq!(rows[pile.resolution as usize - 1], 0.0, "{kind:?} above");
+        let (last, last_layer) = (pile.resolution - 1, pile.layers - 1);
+        for variant in 0..pile.variants {
+            for b in 0..pile.resolution {
+                let sides = (0..pile.layers).flat_map(|layer| [(layer, 0), (layer, last)]);
+                let faces = (0..pile.resolution).flat_map(|a| [(0, a), (last_layer, a)]);
+                for (layer, a) in sides.chain(faces) {
+                    let rho = density(&volumes, variant, layer, b, a);
+                    assert!(rho < 0.25, "{kind:?}: {rho} at ({a}, {b}) of layer {layer}");
+                }
+            }
+        }
+    }
+}
+
+/// A twisted strand is as thick above as below, until it is cut; twist and plies show.
+#[test]
+fn twisted_pile_is_a_strand() {
+    let (pile, volumes, strand) = rows(PileKind::Twisted, |_| ());
+    let section = |rows: &[f64]| rows.iter().sum::<f64>() / rows.len() as f64;
+    let (below, above) = (section(&strand[4..12]), section(&strand[18..26]));
+    assert!(
+        (above / below - 1.0).abs() < 0.15,
+        "{below} below, {above} above"
+    );
+    // Wherever it is cut through it is solid somewhere, and stands on one leg: two in the volume would be twice as much.
+    let solid = |b: u32| {
+        let most = |layer| (0..pile.resolution).map(move |a| (layer, a));
+        let all = (0..pile.layers).flat_map(most);
+        all.map(|(layer, a)| density(&volumes, 0, layer, b, a))
+            .fold(0.0, f64::max)
+    };
+    assert!((1..26).all(|b| solid(b) > 0.6));
+    let (_, _, terry) = rows(PileKind::Terry, |_| ());
+    let ratio = section(&terry[4..12]) / below;
+    assert!((1.7..2.3).contains(&ratio), "legs of terry: {ratio}");
+    let (_, _, untwisted) = rows(PileKind::Twisted, |pile| pile.twist_per_cm = 0.0);
+    assert_ne!(strand, untwisted);
+}
+
+/// Fur is dense below and thins out in two steps: the undercoat ends below two thirds, guard hairs near the top.
+#[test]
+fn fur_has_an_undercoat_and_guard_hairs() {
+    let (_, _, rows) = rows(PileKind::Fur, |pile| pile.fibres = 90);
+    let (root, middle, top) = (rows[3], rows[22], rows[29]);
+    assert!(
+        middle < 0.4 * root,
+        "{middle} of {root} above the undercoat"
+    );
+    assert!(
+        top > 0.0 && top < 0.5 * middle,
+        "{top} at the tips, {middle} below"
+    );
+}
+
+/// Grass has as many blades as there are plies, flat ones, and their ribs are darker.
+#[test]
+fn grass_has_blades() {
+    let total = |plies: u32| -> f64 {
+        let (_, _, rows) = rows(PileKind::Grass, |pile| pile.plies = plies);
+        rows.iter().sum()
+    };
+    let ratio = total(4) / total(1);
+    // Blades are of several heights.
+    assert!(
+        (2.5..6.0).contains(&ratio),
+        "four blades are {ratio} of one"
+    );
+    let (pile, volumes, _) = rows(PileKind::Grass, |pile| pile.plies = 1);
+    let ribbed = volumes
+        .voxels
+        .iter()
+        .filter(|v| v[0] > 30 && v[1] < v[0])
+        .count();
+    let plain = volumes
+        .voxels
+        .iter()
+        .filter(|v| v[0] > 30 && v[1] == v[0])
+        .count();
+    assert!(
+        ribbed > 10 && plain > 10,
+        "{ribbed} of the rib, {plain} beside it"
+    );
+    assert!(pile.yarn_diameter < pile.base_width);
 }

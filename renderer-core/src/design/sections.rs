@@ -189,8 +189,30 @@ choice! {
     PileKind {
         /// Uncut loops: an arch of twisted plies.
         Terry = "terry loop",
-        /// Cut loops: a tuft of fibres (velour, cut carpet).
+        /// Cut loops: a tuft of fibres (velour, velvet, cut carpet).
         Cut = "cut tuft",
+        /// Cut strands of twisted plies that keep their twist (frieze, shag).
+        Twisted = "twisted strand",
+        /// Tapered hairs: guard hairs above a short undercoat. All have the yarn's section together.
+        Fur = "tuft of fur",
+        /// Flat blades as wide as the yarn, as many as there are plies.
+        Grass = "tuft of grass",
+    }
+}
+
+impl PileKind {
+    /// Whether its yarn is twisted from plies that show.
+    pub fn is_plied(self) -> bool {
+        matches!(self, Self::Terry | Self::Twisted)
+    }
+
+    /// What [`Pile::plies`] counts in it, one and several, if anything.
+    pub fn plies_are(self) -> Option<[&'static str; 2]> {
+        match self {
+            Self::Terry | Self::Twisted => Some(["ply", "plies"]),
+            Self::Grass => Some(["blade", "blades"]),
+            Self::Cut | Self::Fur => None,
+        }
     }
 }
 
@@ -372,7 +394,7 @@ section! {
             thickness: f64 = 0.92, 0.01..=50.0, "mm";
             /// Diameter of the loop's yarn; thicker yarn fills the gaps and looks softer.
             yarn_diameter: f64 = 0.75, 0.02..=20.0, "mm";
-            /// How many plies the yarn is twisted from; each shows as a ridge along the loop.
+            /// How many plies the yarn is twisted from, each a ridge along the loop; how many blades a tuft of grass has.
             plies: u32 = 2, 1..=8, "";
             /// Turns of the plies in a centimetre of yarn; more turns give a harder, cord-like loop.
             twist_per_cm: f64 = 4.0, 0.0..=40.0, "turns/cm";

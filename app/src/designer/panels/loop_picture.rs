@@ -10,7 +10,7 @@ use egui::{
 };
 use renderer_core::design::{
     Back, CameraDesign, Chart, ChartImage, Colour, Design, Environment, Length, LengthMap, Light,
-    Method, OPAQUE_FROM, Pattern, Pile, PileKind, Quality, Sheet, SkeletonDesign, Sun, View, Weave,
+    Method, OPAQUE_FROM, Pattern, Pile, Quality, Sheet, SkeletonDesign, Sun, View, Weave,
 };
 
 use renderer_core::scene::luma;
@@ -120,8 +120,8 @@ fn describe(ui: &mut Ui, look: &Look) {
     let hundredths = |mm: f64| (mm * 100.0).round() / 100.0;
     ui.label(format!("{} mm long", hundredths(look.length_mm)));
     ui.label(format!("{} mm yarn", hundredths(pile.yarn_diameter)));
-    if pile.kind == PileKind::Terry {
-        let plies = if pile.plies == 1 { "ply" } else { "plies" };
+    if let Some([one, several]) = pile.kind.plies_are() {
+        let plies = if pile.plies == 1 { one } else { several };
         ui.label(format!("{} {plies}", pile.plies));
     }
     ui.add_space(4.0);

@@ -16,17 +16,24 @@ pub struct State {
 /// Shows the panel.
 pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design, around: &mut Surroundings<'_>) {
     loop_picture::show(ui, &mut state.picture, design, around.small_pictures);
-    let mut rows = design.length.table.iter();
-    let has_loops = design.pile.kind == PileKind::Terry
-        || design.length.map == LengthMap::Lut && rows.any(|row| row.kind == Some(PileKind::Terry));
+    // Of the pile and, where the table counts, of its rows.
+    let rows: &[_] = match design.length.map {
+        LengthMap::Lut => &design.length.table,
+        _ => &[],
+    };
+    let some_kind = |is_so: fn(PileKind) -> bool| {
+        is_so(design.pile.kind) || rows.iter().filter_map(|row| row.kind).any(is_so)
+    };
+    let has_plies = some_kind(|kind| kind.plies_are().is_some());
+    let is_plied = some_kind(PileKind::is_plied);
     let pile = &mut design.pile;
     let fields = Pile::FIELDS;
     choice(ui, "Kind", "What a loop is made of.", &mut pile.kind);
     subheading(ui, "Yarn");
     number(ui, &fields.yarn_diameter, &mut pile.yarn_diameter);
+    ui.add_enabled_ui(has_plies, |ui| number(ui, &fields.plies, &mut pile.plies));
     // Cut tufts open up: their fibres are not twisted.
-    ui.add_enabled_ui(has_loops, |ui| {
-        number(ui, &fields.plies, &mut pile.plies);
+    ui.add_enabled_ui(is_plied, |ui| {
         number(ui, &fields.twist_per_cm, &mut pile.twist_per_cm);
     });
     number(ui, &fields.fibres, &mut pile.fibres);

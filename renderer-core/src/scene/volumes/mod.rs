@@ -5,8 +5,12 @@
 //! fibres. Loops of another length or width stretch the reference loop.
 
 mod cut;
+mod fur;
+mod grass;
 mod hair;
+mod strand;
 mod terry;
+mod twisted;
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -82,14 +86,41 @@ pub(super) fn rasterise_unless_cancelled(
     let cells: Vec<Vec<Cell>> = volumes
         .par_iter()
         .map(|&(kind, variant)| match kind {
-            PileKind::Terry => {
-                let field = terry::Terry::new(pile, size, variant);
-                volume(&field, pile, size, variant, cancel)
-            }
-            PileKind::Cut => {
-                let field = cut::Cut::new(pile, size, variant);
-                volume(&field, pile, size, variant, cancel)
-            }
+            PileKind::Terry => volume(
+                &terry::terry(pile, size, variant),
+                pile,
+                size,
+                variant,
+                cancel,
+            ),
+            PileKind::Twisted => volume(
+                &twisted::twisted(pile, size, variant),
+                pile,
+                size,
+                variant,
+                cancel,
+            ),
+            PileKind::Cut => volume(
+                &cut::Cut::new(pile, size, variant),
+                pile,
+                size,
+                variant,
+                cancel,
+            ),
+            PileKind::Fur => volume(
+                &fur::Fur::new(pile, size, variant),
+                pile,
+                size,
+                variant,
+                cancel,
+            ),
+            PileKind::Grass => volume(
+                &grass::Grass::new(pile, size, variant),
+                pile,
+                size,
+                variant,
+                cancel,
+            ),
         })
         .collect();
     let cells = || cells.iter().flatten();

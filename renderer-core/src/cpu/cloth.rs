@@ -11,6 +11,9 @@ use super::walk::Grid;
 use crate::optics::Optics;
 use crate::scene::{LoopShape, Scene};
 
+/// Free paths that may end in a frame, from which on it is worth looking where in it there is yarn.
+const WORTH_LOOKING: f32 = 6.0;
+
 /// The cloth and its light.
 #[derive(Debug, Clone)]
 pub(super) struct Cloth {
@@ -23,6 +26,8 @@ pub(super) struct Cloth {
     pub looks_down: f64,
     /// Extinction of the densest material, 1/mm.
     pub densest: f32,
+    /// The way through a loop's frame from which on it is worth looking where in it there is yarn, mm.
+    pub worth_looking_mm: f32,
     pub thickness: f32,
     /// Size of a cell, mm.
     pub pitch: Vec2,
@@ -53,9 +58,15 @@ impl Cloth {
             None => Arc::new(Optics::new(&scene.pile, &scene.skeleton)),
         };
         let densities = scene.pile.materials.iter().map(|m| m.density_per_mm);
+        let densest = densities.fold(0.0, f32::max);
         Self {
             looks_down: f64::from(scene.skeleton.worth_looking_down(&scene.sheet)),
-            densest: densities.fold(0.0, f32::max),
+            densest,
+            worth_looking_mm: if voxels.is_sparse() {
+                WORTH_LOOKING / densest
+            } else {
+                f32::INFINITY
+            },
             thickness: scene.loops.thickness_mm,
             pitch: grid.pitch().as_vec2(),
             blocks_per_mm: (1.0 / (grid.pitch() * grid.block_cells as f64)).as_vec2(),

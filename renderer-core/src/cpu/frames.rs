@@ -33,6 +33,18 @@ pub(super) struct Frames {
     pub index: [u32; LANES],
 }
 
+/// What f32 may round off a place in a frame.
+const ROUNDED: f32 = 1e-4;
+
+/// Where eight pieces of a ray are in a frame, from the lowest to the highest of each coordinate.
+pub(super) struct Pieces {
+    /// A bit for each piece that may be in the frame at all.
+    pub inside: u32,
+    pub u: [[f32; LANES]; 2],
+    pub v: [[f32; LANES]; 2],
+    pub w: [[f32; LANES]; 2],
+}
+
 /// Where in eight frames a point is.
 pub(super) struct Places {
     /// A bit for each frame that it is in: u and v in [0, 1], w in [−½, ½].
@@ -94,6 +106,51 @@ fn stored<L: Lanes>(lanes: L) -> [f32; LANES] {
     let mut values = [0.0; LANES];
     lanes.store(&mut values);
     values
+}
+
+/// Bounds of x in x·(1 + `factor`·y) = `value`, within −½ and ½, where y is within `others`.
+#[inline(always)]
+fn solved<L: Lanes>(value: [L; 2], factor: L, others: [L; 2]) -> [L; 2] {
+    let (half, one) = (L::splat(0.5), L::splat(1.0));
+    let (a, b) = (factor * others[0], factor * others[1]);
+    let by = [one / (one + a), one / (one + b)];
+    let (low, high) = (value[0], value[1]);
+    [
+        (low * by[0]).min(low * by[1]).max(-half),
+        (high * by[0]).max(high * by[1]).min(half),
+    ]
+}
+
+/// Bounds of start + slope·t between `from` and `to`.
+#[inline(always)]
+fn between<L: Lanes>([start, slope]: [f32; 2], from: L, to: L) -> [L; 2] {
+    let (start, slope) = (L::splat(start), L::splat(slope));
+    let (a, b) = (start + slope * from, start + slope * to);
+    [a.min(b), a.max(b)]
+}
+
+/// Whether bounds leave anything from −½ to ½.
+#[inline(always)]
+fn holds_some<L: Lanes>([low, high]: [L; 2]) -> L::Mask {
+    let wide = L::splat(0.5 + ROUNDED);
+    low.le(wide) & (-wide).le(high)
+}
+
+/// Bounds widened by what rounding may do to them, but within −½ and ½; those where they do not hold.
+#[inline(always)]
+fn rounded_out<L: Lanes>([low, high]: [L; 2], they_hold: L::Mask) -> [L; 2] {
+    let (rounded, half) = (L::splat(ROUNDED), L::splat(0.5));
+    [
+        L::select(they_hold, low - rounded, -half).max(-half),
+        L::select(they_hold, high + rounded, half).min(half),
+    ]
+}
+
+/// Bounds of a product.
+#[inline(always)]
+fn product<L: Lanes>([a, b]: [L; 2], [c, d]: [L; 2]) -> [L; 2] {
+    let (ac, ad, bc, bd) = (a * c, a * d, b * c, b * d);
+    [ac.min(ad).min(bc.min(bd)), ac.max(ad).max(bc.max(bd))]
 }
 
 impl Frames {
@@ -162,9 +219,72 @@ impl Frames {
         (frames, kept)
     }
 
-    /// Makes `lane` the one that `from` is in `others`.
+    /// How long the part of the ray is that may be in the frame of `lane`, mm.
     #[inline(always)]
-    pub fn put(&mut self, lane: usize, others: &Self, from: usize) {
+    pub fn length(&self, lane: usize) -> f32 {
+        let lane = lane & (LANES - 1);
+        self.high[lane] - self.low[lane]
+    }
+
+    /// Where eight equal pieces of the ray's part in one frame are in it; u and v from 0 to 1, w from −½ to ½.
+    ///
+    /// p, q and height are linear along the ray: their ends in a piece bound them. From u′ = p/(1 + αv′) and v′ = q/(1 + βu′)
+    /// follow bounds of u′ and v′, better ones each time, and from those of their product that of w.
+    #[inline(always)]
+    pub fn pieces<L: Lanes>(&self, lane: usize, thickness: f32) -> Pieces {
+        let lane = lane & (LANES - 1);
+        let (half, one) = (L::splat(0.5), L::splat(1.0));
+        let step = self.length(lane) * (1.0 / LANES as f32);
+        let numbers = L::load(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
+        let from = L::splat(self.low[lane]) + numbers * L::splat(step);
+        let to = from + L::splat(step);
+        let p = between([self.p[0][lane], self.p[1][lane]], from, to);
+        let q = between([self.q[0][lane], self.q[1][lane]], from, to);
+        let height = between([self.height[0][lane], self.height[1][lane]], from, to);
+        let (alpha, beta) = (L::splat(self.skew[0][lane]), L::splat(self.skew[1][lane]));
+        let anywhere = [-half, half];
+        let v = solved(q, beta, anywhere);
+        let u = solved(p, alpha, v);
+        let v = solved(q, beta, u);
+        let bent = product([L::splat(self.lift[lane]); 2], product(u, v));
+        let per_thickness = L::splat(1.0 / thickness);
+        let w = [
+            (height[0] - bent[1]) * per_thickness,
+            (height[1] - bent[0]) * per_thickness,
+        ];
+        // A frame so skewed that it almost folds bounds nothing.
+        let is_bounded = half.lt(one - half * alpha.abs()) & half.lt(one - half * beta.abs());
+        let inside = holds_some(u) & holds_some(v) & holds_some(w);
+        let [u, v, w] = [
+            rounded_out(u, is_bounded),
+            rounded_out(v, is_bounded),
+            rounded_out(w, is_bounded),
+        ];
+        Pieces {
+            inside: L::bits(inside) | !L::bits(is_bounded) & 0xff,
+            u: [stored(u[0] + half), stored(u[1] + half)],
+            v: [stored(v[0] + half), stored(v[1] + half)],
+            w: [stored(w[0]), stored(w[1])],
+        }
+    }
+
+    /// Makes `lane`, which is free, a part of the one that `from` is in `others`: its `first` of eight pieces, and so many more.
+    #[inline(always)]
+    pub fn put_part(&mut self, lane: usize, others: &Self, from: usize, first: u32, count: u32) {
+        let from = from & (LANES - 1);
+        let step = others.length(from) * (1.0 / LANES as f32);
+        // The ends of neighbouring parts are the same number.
+        let at = |piece: u32| match piece {
+            0 => others.low[from],
+            8 => others.high[from],
+            _ => others.low[from] + piece as f32 * step,
+        };
+        self.put(lane, others, from, [at(first), at(first + count)]);
+    }
+
+    /// Makes `lane`, which is free, the one that `from` is in `others`, with that part of the ray.
+    #[inline(always)]
+    fn put(&mut self, lane: usize, others: &Self, from: usize, [low, high]: [f32; 2]) {
         let (lane, from) = (lane & (LANES - 1), from & (LANES - 1));
         for end in 0..2 {
             self.p[end][lane] = others.p[end][from];
@@ -173,8 +293,7 @@ impl Frames {
             self.skew[end][lane] = others.skew[end][from];
         }
         self.lift[lane] = others.lift[from];
-        self.low[lane] = others.low[from];
-        self.high[lane] = others.high[from];
+        (self.low[lane], self.high[lane]) = (low, high);
         self.index[lane] = others.index[from];
     }
 

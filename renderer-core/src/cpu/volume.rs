@@ -11,16 +11,17 @@ use crate::scene::{LoopLook, PileOptics, Section, Volumes};
 pub(super) struct VoxelTable {
     /// ρ of a voxel and of its neighbours along u, along v, and along both, 255 = 1; clamped at the borders.
     quads: Vec<[u8; 4]>,
+    /// For each volume and each (l, b, a) from 0 to layers, side and side: how many of the voxels before it along all three
+    /// axes are not empty.
+    full_before: Vec<u32>,
     /// Voxels along u and along v.
     side: usize,
     layers: usize,
     linear: bool,
     /// Share of the loop, from its root, over which density fades in.
     root_blend: f32,
-    /// For each material: index of its first volume's first quad, and extinction of solid yarn, 1/mm.
+    /// For each material: its first volume, and extinction of solid yarn, 1/mm.
     materials: Vec<(usize, f32)>,
-    /// Quads of a volume.
-    volume: usize,
     /// Shade and directions of fibres, which are read only where a ray ends.
     volumes: Section<Volumes>,
 }
@@ -29,7 +30,7 @@ pub(super) struct VoxelTable {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Yarn<'a> {
     table: &'a VoxelTable,
-    first: usize,
+    volume: usize,
     /// Extinction where ρ = 1, 1/mm.
     pub density: f32,
 }
@@ -46,17 +47,19 @@ impl VoxelTable {
         };
         Self {
             quads: (0..volumes.voxels.len()).map(quad).collect(),
+            full_before: (volumes.voxels.chunks(volume))
+                .flat_map(|voxels| full_before(voxels, [side, side, layers]))
+                .collect(),
             side,
             layers,
             linear: volumes.interpolation == Interpolation::Linear,
             root_blend: volumes.root_blend,
             materials: (pile.materials.iter())
                 .map(|material| {
-                    let first = (material.kind * volumes.variants) as usize * volume;
+                    let first = (material.kind * volumes.variants) as usize;
                     (first, material.density_per_mm)
                 })
                 .collect(),
-            volume,
             volumes: volumes.clone(),
         }
     }
@@ -67,9 +70,17 @@ impl VoxelTable {
         let (first, density) = self.materials[usize::from(look.material)];
         Yarn {
             table: self,
-            first: first + usize::from(look.variant) * self.volume,
+            volume: first + usize::from(look.variant),
             density,
         }
+    }
+
+    /// Whether long ways through a loop's frame are mostly air: less than a tenth of the voxels of fur and grass are not empty,
+    /// but 0.2 of those of shag and more of terry's.
+    pub fn is_sparse(&self) -> bool {
+        let voxels = &self.volumes.voxels;
+        let full = voxels.iter().filter(|voxel| voxel[0] > 0).count();
+        10 * full < voxels.len()
     }
 
     pub fn layers(&self) -> usize {
@@ -78,11 +89,68 @@ impl VoxelTable {
 
     /// Bytes of the voxels.
     pub fn bytes(&self) -> u64 {
-        size_of_val(&*self.quads) as u64
+        (size_of_val(&*self.quads) + size_of_val(&*self.full_before)) as u64
     }
 }
 
+/// [`VoxelTable::full_before`] of a volume: its voxels summed up along each axis in turn.
+fn full_before(voxels: &[[u8; 2]], [columns, rows, layers]: [usize; 3]) -> Vec<u32> {
+    let strides = [1, columns + 1, (columns + 1) * (rows + 1)];
+    let mut sums = vec![0; strides[2] * (layers + 1)];
+    for (index, voxel) in voxels.iter().enumerate() {
+        let (a, b, layer) = (
+            index % columns,
+            index / columns % rows,
+            index / (columns * rows),
+        );
+        let place = (layer + 1) * strides[2] + (b + 1) * strides[1] + a + 1;
+        sums[place] = u32::from(voxel[0] > 0);
+    }
+    for (stride, count) in strides.into_iter().zip([columns, rows, layers]) {
+        for place in stride..sums.len() {
+            // Zeros stand before the first along each axis.
+            if place / stride % (count + 1) != 0 {
+                sums[place] += sums[place - stride];
+            }
+        }
+    }
+    sums
+}
+
 impl Yarn<'_> {
+    /// Index of the volume's first voxel and quad.
+    #[inline(always)]
+    fn first(&self) -> usize {
+        self.volume * self.table.layers * self.table.side * self.table.side
+    }
+
+    /// Whether ρ is 0 everywhere from the lowest to the highest u, v and w.
+    #[inline(always)]
+    pub fn is_empty(&self, u: [f32; 2], v: [f32; 2], w: [f32; 2]) -> bool {
+        let table = self.table;
+        // The voxels that a look within the range blends.
+        let range = |[low, high]: [f32; 2], count: usize, blends: bool| {
+            let place = |x: f32| {
+                let x = x * count as f32 - if blends { 0.5 } else { 0.0 };
+                (x.max(0.0) as usize).min(count - 1)
+            };
+            [
+                place(low),
+                (place(high) + usize::from(blends)).min(count - 1) + 1,
+            ]
+        };
+        let [a0, a1] = range(u, table.side, true);
+        let [b0, b1] = range(v, table.side, true);
+        let [l0, l1] = range([w[0] + 0.5, w[1] + 0.5], table.layers, table.linear);
+        let across = table.side + 1;
+        let first = self.volume * (table.layers + 1) * across * across;
+        let before =
+            |l: usize, b: usize, a: usize| table.full_before[first + (l * across + b) * across + a];
+        let row = |l: usize, b: usize| before(l, b, a1) - before(l, b, a0);
+        let layer = |l: usize| row(l, b1) - row(l, b0);
+        layer(l1) == layer(l0)
+    }
+
     /// ρ at (u, v, w), faded out towards the root.
     #[inline(always)]
     pub fn rho(&self, u: f32, v: f32, w: f32) -> f32 {
@@ -91,7 +159,7 @@ impl Yarn<'_> {
         let x = (u * table.side as f32 - 0.5).clamp(0.0, last);
         let y = (v * table.side as f32 - 0.5).clamp(0.0, last);
         let (a, b) = (x as usize, y as usize);
-        let texel = self.first + b * table.side + a;
+        let texel = self.first() + b * table.side + a;
         let layer_size = table.side * table.side;
         let bilinear = |layer: usize| {
             let quad = table.quads[texel + layer * layer_size].map(f32::from);
@@ -149,7 +217,7 @@ impl Yarn<'_> {
             let (layer, layer_weight) = across[corner >> 2];
             let (row, row_weight) = rows[corner >> 1 & 1];
             let (column, column_weight) = columns[corner & 1];
-            let index = self.first + (layer * table.side + row) * table.side + column;
+            let index = self.first() + (layer * table.side + row) * table.side + column;
             (index, layer_weight * row_weight * column_weight)
         })
     }

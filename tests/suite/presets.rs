@@ -120,7 +120,7 @@ fn each_fault_has_its_place_value_and_what_is_allowed() {
         ("[pile]\nlayers = 2.0", "3:10 pile.layers | pile.layers is 2.0, allowed is a whole number from 1 to 64"),
         ("[pile]\ntilt=200", "3:6 pile.tilt | pile.tilt is 200, allowed is 0 to 180 °"),
         ("[pile]\ntilt = -1e400", "3:8 pile.tilt | pile.tilt is -1e400, allowed is 0 to 180 °"),
-        ("[pile]\nkind = 'x'", "3:8 pile.kind | pile.kind is 'x', allowed is \"terry\" or \"cut\""),
+        ("[pile]\nkind = 'x'", "3:8 pile.kind | pile.kind is 'x', allowed is \"terry\", \"cut\", \"twisted\", \"fur\" or \"grass\""),
         ("[view]\nexposure = nan", "3:12 view.exposure | view.exposure is nan, allowed is -16 to 16 EV"),
         ("[view]\nexposure = -inf", "3:12 view.exposure | view.exposure is -inf, allowed is -16 to 16 EV"),
         ("[skeleton]\nvisible = 1", "3:11 skeleton.visible | skeleton.visible is 1, allowed is true or false"),

@@ -93,6 +93,24 @@ fn crowded_loops_let_the_same_light_through() {
     agree(&design, 1, &[("density", |d| d.pile.density *= 1.1)]);
 }
 
+/// Of their frames the parts that hold yarn are looked for: none may be missed.
+#[test]
+fn sparse_piles_agree() {
+    for (name, edit) in LOOPS
+        .iter()
+        .filter(|(name, _)| ["fur", "grass"].contains(name))
+    {
+        eprintln!("{name}");
+        let mut design = small_towel();
+        edit(&mut design);
+        let scene = renderer_core::scene::compile(&design).unwrap();
+        let voxels = &scene.volumes.voxels;
+        let full = voxels.iter().filter(|voxel| voxel[0] > 0).count();
+        assert!(10 * full < voxels.len(), "{name} is not sparse: {full}");
+        agree(&design, 1, &[("density", |d| d.pile.density *= 0.4)]);
+    }
+}
+
 #[test]
 fn materials_yarns_and_skies_agree() {
     // Several materials under several suns; bare ground that shines under a picture of the sky.

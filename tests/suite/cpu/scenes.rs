@@ -13,7 +13,7 @@ pub type Edit = (&'static str, fn(&mut Design));
 const AS_IT_IS: Edit = ("as it is", |_| {});
 
 /// Shapes of loops, and blocks of 1, 2 and 4 cells to find them.
-pub const LOOPS: [Edit; 10] = [
+pub const LOOPS: [Edit; 13] = [
     AS_IT_IS,
     ("wild", |d| {
         let pile = &mut d.pile;
@@ -54,6 +54,11 @@ pub const LOOPS: [Edit; 10] = [
         d.pile.interpolation = Interpolation::Nearest;
         (d.pile.layers, d.pile.root_blend) = (24, 0.0);
     }),
+    ("twisted", |d| {
+        (d.pile.kind, d.length.value) = (PileKind::Twisted, 5.0);
+    }),
+    ("fur", |d| sparse(d, PileKind::Fur)),
+    ("grass", |d| sparse(d, PileKind::Grass)),
     ("crowded and thin", |d| {
         d.weave.pattern = Pattern::filled(1, 1, 9);
         let pile = &mut d.pile;
@@ -62,6 +67,16 @@ pub const LOOPS: [Edit; 10] = [
         pile.root_blend = 1.0;
     }),
 ];
+
+/// Long ways through frames that hold little yarn, skewed and bent.
+fn sparse(d: &mut Design, kind: PileKind) {
+    (d.pile.kind, d.length.value) = (kind, 8.0);
+    let pile = &mut d.pile;
+    (pile.base_width, pile.top_width, pile.thickness) = (4.0, 5.0, 4.0);
+    (pile.yarn_diameter, pile.fibres, pile.plies) = (0.8, 12, 2);
+    (pile.density, pile.hairiness) = (20.0, 0.0);
+    d.view.cameras[0].distance = 60.0;
+}
 
 /// Patterns and what stands on the back.
 pub const BACKS: [Edit; 4] = [

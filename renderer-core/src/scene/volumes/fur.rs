@@ -9,7 +9,7 @@ use super::{Field, LoopSize, MARGIN, Yarn, falloff, signed, variant_random};
 use crate::design::Pile;
 use crate::sampling::Pcg;
 
-/// Share of the hairs that are guard hairs is one in this.
+/// One hair in so many is a guard hair.
 const GUARD_EVERY: u32 = 3;
 /// How much of the way from its own place to the tuft's common tip a guard hair's tip goes.
 const CLUMPING: f64 = 0.55;

@@ -86,41 +86,11 @@ pub(super) fn rasterise_unless_cancelled(
     let cells: Vec<Vec<Cell>> = volumes
         .par_iter()
         .map(|&(kind, variant)| match kind {
-            PileKind::Terry => volume(
-                &terry::terry(pile, size, variant),
-                pile,
-                size,
-                variant,
-                cancel,
-            ),
-            PileKind::Twisted => volume(
-                &twisted::twisted(pile, size, variant),
-                pile,
-                size,
-                variant,
-                cancel,
-            ),
-            PileKind::Cut => volume(
-                &cut::Cut::new(pile, size, variant),
-                pile,
-                size,
-                variant,
-                cancel,
-            ),
-            PileKind::Fur => volume(
-                &fur::Fur::new(pile, size, variant),
-                pile,
-                size,
-                variant,
-                cancel,
-            ),
-            PileKind::Grass => volume(
-                &grass::Grass::new(pile, size, variant),
-                pile,
-                size,
-                variant,
-                cancel,
-            ),
+            PileKind::Terry => volume(terry::terry, pile, size, variant, cancel),
+            PileKind::Twisted => volume(twisted::twisted, pile, size, variant, cancel),
+            PileKind::Cut => volume(cut::Cut::new, pile, size, variant, cancel),
+            PileKind::Fur => volume(fur::Fur::new, pile, size, variant, cancel),
+            PileKind::Grass => volume(grass::Grass::new, pile, size, variant, cancel),
         })
         .collect();
     let cells = || cells.iter().flatten();
@@ -184,13 +154,14 @@ impl Cell {
 }
 
 /// All voxels of one loop: u fastest, then v, then layers.
-fn volume(
-    field: &impl Field,
+fn volume<F: Field>(
+    field: impl Fn(&Pile, LoopSize, u32) -> F,
     pile: &Pile,
     size: LoopSize,
     variant: u32,
     cancel: &Cancel<'_>,
 ) -> Vec<Cell> {
+    let field = field(pile, size, variant);
     let (resolution, layers) = (pile.resolution as usize, pile.layers as usize);
     let mut cells = vec![Cell::default(); layers * resolution * resolution];
     let share = 1.0 / (SUPERSAMPLES * SUPERSAMPLES * SUPERSAMPLES) as f64;
@@ -222,7 +193,7 @@ fn volume(
             }
         });
     if !cancel.is_cancelled() {
-        Hair::new(pile, size, variant).draw(field, &mut cells);
+        Hair::new(pile, size, variant).draw(&field, &mut cells);
     }
     cells
 }

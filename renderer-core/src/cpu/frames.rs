@@ -71,7 +71,8 @@ fn clip_bent<L: Lanes>([low, high]: [L; 2], [c0, c1, c2]: [L; 3], most: L) -> [L
     // Turned so that it opens upwards: it is below `most` between two roots, and below −`most` between two others.
     let turn = c2.lt(L::splat(0.0));
     let up = |c: L| L::select(turn, -c, c);
-    let (c0, c1, c2) = (up(c0), up(c1), up(c2));
+    // `abs`, since a root divided by −0 would lie at the wrong end.
+    let (c0, c1, c2) = (up(c0), up(c1), c2.abs());
     let [first, last] = roots(c0 - most, c1, c2);
     let [fall, rise] = roots(c0 + most, c1, c2);
     let (low, high) = (first.max(low), last.min(high));

@@ -10,6 +10,7 @@ use glam::Vec3A;
 use super::batch::Batch;
 use super::block::{BlockRay, Listed, LoopPart};
 use super::crossing::Crossing;
+use super::form::{Start, Stretch};
 use super::lanes::Lanes;
 use super::walk::SquareSpan;
 use super::{Scratch, Tracer};
@@ -42,18 +43,35 @@ impl Tracer {
     pub fn first_event<L: Lanes>(
         &self,
         ray: &Ray,
+        start: Start,
         xi: f64,
         scratch: &mut Scratch,
     ) -> Option<Vertex> {
         scratch.counters.rays += 1;
-        let cloth = &self.cloth;
-        let part = self.part_in_cloth(ray);
         let limit = -(xi.ln() as f32);
+        let mut depth = 0.0;
+        self.way(ray, start).find_map(|stretch| {
+            let vertex = self.first_event_of::<L>(&stretch, limit, &mut depth, scratch);
+            vertex.map(|vertex| stretch.place(vertex))
+        })
+    }
+
+    /// The same in one stretch of the ray: where `depth`, which grows, exceeds a limit.
+    #[inline(always)]
+    fn first_event_of<L: Lanes>(
+        &self,
+        stretch: &Stretch,
+        limit: f32,
+        depth: &mut f32,
+        scratch: &mut Scratch,
+    ) -> Option<Vertex> {
+        let cloth = &self.cloth;
+        let ray = &stretch.ray;
+        let part = self.part_in_cloth(ray, stretch.part);
         scratch.pending.clear();
         scratch.mailbox.clear();
         let ground_layer = self.ground_layer(ray, part);
         let (mut ground, mut ground_is_known) = (None, false);
-        let mut depth = 0.0;
         for span in cloth.grid.blocks(ray, part) {
             scratch.counters.cells += 1;
             // Step 5: the ground is opaque. Loops of the far side are met in blocks behind its gaps.
@@ -79,8 +97,8 @@ impl Tracer {
             // Step 4: what each lets through. The nearest is last.
             let mut chosen = None;
             while let Some(event) = scratch.pending.pop_if(|event| event.t < to as f32) {
-                depth += event.depth;
-                if depth > limit {
+                *depth += event.depth;
+                if *depth > limit {
                     chosen = Some(event);
                     break;
                 }
@@ -97,24 +115,36 @@ impl Tracer {
 
     /// Share of light that comes through along a shadow ray.
     #[inline(always)]
-    pub fn composited_visibility<L: Lanes>(&self, ray: &Ray, scratch: &mut Scratch) -> f64 {
+    pub fn composited_visibility<L: Lanes>(
+        &self,
+        ray: &Ray,
+        start: Start,
+        scratch: &mut Scratch,
+    ) -> f64 {
         scratch.counters.shadow_rays += 1;
-        if self.is_blocked_by_ground(ray, scratch) {
-            return 0.0;
-        }
         let cloth = &self.cloth;
-        let part = cloth.grid.clip_blocks(ray, cloth.grid.loop_heights);
-        scratch.mailbox.clear();
         let mut depth = 0.0;
-        for span in cloth.grid.blocks(ray, part) {
-            scratch.counters.cells += 1;
-            let from = (span.enter - part[0]) as f32;
-            self.solve_block::<L>(ray, &span, from, part[0] as f32, scratch, |event, _| {
-                depth += event.depth;
-            });
-            if depth > DARK_DEPTH && self.ends_opaque_rays {
-                scratch.counters.ended_rays += 1;
+        for stretch in self.way(ray, start) {
+            let ray = &stretch.ray;
+            if self.is_blocked_by_ground(ray, stretch.part, scratch) {
                 return 0.0;
+            }
+            let part = (cloth.grid).clip_blocks(ray, stretch.part, cloth.grid.loop_heights);
+            // Of a loop that is solved here, another stretch may hold the crossing.
+            let end = (stretch.part[1] - part[0]) as f32;
+            scratch.mailbox.clear();
+            for span in cloth.grid.blocks(ray, part) {
+                scratch.counters.cells += 1;
+                let from = (span.enter - part[0]) as f32;
+                self.solve_block::<L>(ray, &span, from, part[0] as f32, scratch, |event, _| {
+                    if event.t < end {
+                        depth += event.depth;
+                    }
+                });
+                if depth > DARK_DEPTH && self.ends_opaque_rays {
+                    scratch.counters.ended_rays += 1;
+                    return 0.0;
+                }
             }
         }
         f64::from(-depth).exp()

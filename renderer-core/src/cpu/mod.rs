@@ -2,7 +2,7 @@
 //! [`mod@crate::reference`] by the same samples and the same means.
 //!
 //! ```text
-//! path ──► composite (single, layered) or tracked ──► walk over blocks ──► block: listed loops ──► patch, frames
+//! path ──► form: stretches ──► composite (single, layered) or tracked ──► walk over blocks ──► block: listed loops ──► patch, frames
 //!            │                                          └──► ground: cells of the weave
 //!            └──► crossing: slabs ──► volume: voxels
 //! ```
@@ -17,6 +17,7 @@ mod block;
 mod cloth;
 mod composite;
 mod crossing;
+mod form;
 mod frames;
 mod ground;
 mod lanes;
@@ -130,8 +131,8 @@ impl Tracer {
         path::PathTracer::new(self, pixel, number, scratch).sample::<L>(pixel)
     }
 
-    /// The part of a ray in the box around loops and ground.
-    fn part_in_cloth(&self, ray: &Ray) -> [f64; 2] {
+    /// The part of a ray, out of `part`, in the box around loops and ground.
+    fn part_in_cloth(&self, ray: &Ray, part: [f64; 2]) -> [f64; 2] {
         let grid = &self.cloth.grid;
         let ground = self
             .cloth
@@ -139,7 +140,7 @@ impl Tracer {
             .as_ref()
             .map_or(0.0, |ground| ground.height);
         let [low, high] = grid.loop_heights;
-        grid.clip_blocks(ray, [low.min(-ground), high.max(ground)])
+        grid.clip_blocks(ray, part, [low.min(-ground), high.max(ground)])
     }
 
     /// The part of a ray, out of `part`, in the layer that ground yarns are in; empty if there are none.
@@ -165,10 +166,10 @@ impl Tracer {
         }
     }
 
-    /// Whether a shadow ray meets the ground. Rays that go down seldom get past it, and looking for it is cheap.
+    /// Whether a part of a shadow ray meets the ground. Rays that go down seldom get past it, and looking for it is cheap.
     #[inline(always)]
-    fn is_blocked_by_ground(&self, ray: &Ray, scratch: &mut Scratch) -> bool {
-        let layer = self.ground_layer(ray, [0.0, f64::INFINITY]);
+    fn is_blocked_by_ground(&self, ray: &Ray, part: [f64; 2], scratch: &mut Scratch) -> bool {
+        let layer = self.ground_layer(ray, part);
         let blocked = self.ground_hit(ray, layer).is_some();
         scratch.counters.hidden_rays += u64::from(blocked);
         blocked

@@ -8,6 +8,7 @@ use std::f64::consts::FRAC_1_PI;
 
 use glam::{DVec2, DVec3};
 
+use super::form::Start;
 use super::lanes::Lanes;
 use super::{Scratch, Tracer};
 use crate::design::Method;
@@ -77,7 +78,7 @@ impl<'a> PathTracer<'a> {
         let (origin, direction) = tracer
             .camera
             .ray(DVec2::new(column + x, row + y), tracer.size);
-        let mut ray = Ray { origin, direction };
+        let (mut ray, mut start) = (Ray { origin, direction }, Start::Eye);
         let mut first = None;
         let mut throughput = DVec3::ONE;
         let mut radiance = DVec3::ZERO;
@@ -87,9 +88,9 @@ impl<'a> PathTracer<'a> {
             // Points found by compositing see their lights by compositing.
             let composited = bounce == 1 && settings.method != Method::Tracked;
             let found = if composited {
-                tracer.first_event::<L>(&ray, 1.0 - pick, self.scratch)
+                tracer.first_event::<L>(&ray, start, 1.0 - pick, self.scratch)
             } else {
-                tracer.collision::<L>(&ray, &mut self.pcg, self.scratch)
+                tracer.collision::<L>(&ray, start, &mut self.pcg, self.scratch)
             };
             let Some(vertex) = found else {
                 radiance += throughput * beyond.unwrap_or_default();
@@ -98,7 +99,7 @@ impl<'a> PathTracer<'a> {
             if bounce == 1 {
                 first = Some(FirstHit {
                     depth_mm: vertex.t,
-                    normal: vertex.normal,
+                    normal: vertex.world_from_sheet * vertex.normal,
                     albedo: vertex.albedo,
                 });
             }
@@ -106,7 +107,7 @@ impl<'a> PathTracer<'a> {
                 // The last ray only looked for the environment.
                 break;
             }
-            let view = -ray.direction;
+            let view = vertex.sheet_direction(-ray.direction);
             let closing = closing_bounce == Some(bounce);
             let gather = Gather {
                 bounce,
@@ -127,7 +128,8 @@ impl<'a> PathTracer<'a> {
             let [u, v, survival, _] = self.random(Set::Onward { bounce });
             let (direction, weight) = tracer.cloth.optics.sample(vertex.lobe, view, [u, v]);
             throughput *= vertex.albedo * weight;
-            beyond = follows_environment.then(|| environment_radiance(lights, direction));
+            let onward = vertex.leave(direction, SURFACE_OFFSET_MM);
+            beyond = follows_environment.then(|| environment_radiance(lights, onward.direction));
             if !settings.shadows {
                 // Without shadows the environment's light needs no ray to find out whether it arrives.
                 radiance += throughput * beyond.take().unwrap_or_default();
@@ -142,7 +144,7 @@ impl<'a> PathTracer<'a> {
                 }
                 throughput /= chance;
             }
-            ray = vertex.leave(direction, SURFACE_OFFSET_MM);
+            (ray, start) = (onward, Start::Cloth);
         }
         Sample { radiance, first }
     }
@@ -175,7 +177,8 @@ impl<'a> PathTracer<'a> {
                 };
                 let [u, v, ..] = self.random(set);
                 let centre = DVec3::from_array(sun.direction);
-                let direction = directions::cone(centre, sun.angular_radius, u, v);
+                let direction =
+                    vertex.sheet_direction(directions::cone(centre, sun.angular_radius, u, v));
                 let irradiance = DVec3::from_array(sun.irradiance);
                 let value = tracer.cloth.optics.value(vertex.lobe, view, direction);
                 (
@@ -192,7 +195,8 @@ impl<'a> PathTracer<'a> {
                     sides,
                     [u, v, side],
                 );
-                let light = environment_radiance(lights, direction) * weight;
+                let world = vertex.world_from_sheet * direction;
+                let light = environment_radiance(lights, world) * weight;
                 (direction, light, light)
             };
             if scattered == DVec3::ZERO && orders == 0 {
@@ -214,9 +218,9 @@ impl<'a> PathTracer<'a> {
             let visibility = if !tracer.settings.shadows {
                 1.0
             } else if composited {
-                tracer.composited_visibility::<L>(&ray, self.scratch)
+                tracer.composited_visibility::<L>(&ray, Start::Cloth, self.scratch)
             } else {
-                tracer.tracked_visibility::<L>(&ray, &mut self.pcg, self.scratch)
+                tracer.tracked_visibility::<L>(&ray, Start::Cloth, &mut self.pcg, self.scratch)
             };
             if let Some((cache, entry)) = cache {
                 cache.add(entry + number, Seen::by(visibility));

@@ -10,6 +10,7 @@ use std::ops::ControlFlow;
 
 use super::batch::Batch;
 use super::block::{Block, BlockRay, LoopPart};
+use super::form::{Start, Stretch};
 use super::frames::Frames;
 use super::ground::GroundHit;
 use super::lanes::{LANES, Lanes};
@@ -48,11 +49,27 @@ impl Tracer {
     pub fn collision<L: Lanes>(
         &self,
         ray: &Ray,
+        start: Start,
         pcg: &mut Pcg,
         scratch: &mut Scratch,
     ) -> Option<Vertex> {
         scratch.counters.rays += 1;
-        let part = self.part_in_cloth(ray);
+        self.way(ray, start).find_map(|stretch| {
+            let vertex = self.collision_in::<L>(&stretch, pcg, scratch);
+            vertex.map(|vertex| stretch.place(vertex))
+        })
+    }
+
+    /// The same in one stretch of the ray. Free paths have no memory: each stretch begins another.
+    #[inline(always)]
+    fn collision_in<L: Lanes>(
+        &self,
+        stretch: &Stretch,
+        pcg: &mut Pcg,
+        scratch: &mut Scratch,
+    ) -> Option<Vertex> {
+        let ray = &stretch.ray;
+        let part = self.part_in_cloth(ray, stretch.part);
         let mut vertex = None;
         let ground = self.track::<L>(ray, part, true, pcg, scratch, |tentative, pcg, scratch| {
             // One number decides both whether it collides and with which loop: with each in proportion to its part of σ.
@@ -85,29 +102,36 @@ impl Tracer {
     pub fn tracked_visibility<L: Lanes>(
         &self,
         ray: &Ray,
+        start: Start,
         pcg: &mut Pcg,
         scratch: &mut Scratch,
     ) -> f64 {
         scratch.counters.shadow_rays += 1;
-        if self.is_blocked_by_ground(ray, scratch) {
-            return 0.0;
-        }
         let grid = &self.cloth.grid;
-        let part = grid.clip_blocks(ray, grid.loop_heights);
         let mut transmittance = 1.0_f32;
-        self.track::<L>(ray, part, false, pcg, scratch, |tentative, pcg, scratch| {
-            scratch.counters.contributing_hits += 1;
-            transmittance *= 1.0 - tentative.sigma / tentative.majorant;
-            if transmittance < ROULETTE_BELOW && self.ends_opaque_rays {
-                if pcg.next_float() < 0.5 {
-                    scratch.counters.ended_rays += 1;
-                    transmittance = 0.0;
-                    return ControlFlow::Break(());
-                }
-                transmittance *= 2.0;
+        for stretch in self.way(ray, start) {
+            let ray = &stretch.ray;
+            if self.is_blocked_by_ground(ray, stretch.part, scratch) {
+                return 0.0;
             }
-            ControlFlow::Continue(())
-        });
+            let part = grid.clip_blocks(ray, stretch.part, grid.loop_heights);
+            self.track::<L>(ray, part, false, pcg, scratch, |tentative, pcg, scratch| {
+                scratch.counters.contributing_hits += 1;
+                transmittance *= 1.0 - tentative.sigma / tentative.majorant;
+                if transmittance < ROULETTE_BELOW && self.ends_opaque_rays {
+                    if pcg.next_float() < 0.5 {
+                        scratch.counters.ended_rays += 1;
+                        transmittance = 0.0;
+                        return ControlFlow::Break(());
+                    }
+                    transmittance *= 2.0;
+                }
+                ControlFlow::Continue(())
+            });
+            if transmittance == 0.0 {
+                return 0.0;
+            }
+        }
         f64::from(transmittance)
     }
 

@@ -1,6 +1,6 @@
 //! Points that scatter: of a loop, of the ground.
 
-use glam::{DVec3, Vec3A};
+use glam::{DMat3, DVec3, Vec3A};
 
 use super::Tracer;
 use super::composite::Event;
@@ -70,6 +70,7 @@ impl Tracer {
             },
             albedo: DVec3::from_array(look.albedo()) * f64::from(shade),
             lobe,
+            world_from_sheet: DMat3::IDENTITY,
         }
     }
 
@@ -93,6 +94,7 @@ impl Tracer {
                     Lobe::Surface(hit.normal)
                 }
             },
+            world_from_sheet: DMat3::IDENTITY,
         }
     }
 }

@@ -73,10 +73,10 @@ impl Grid {
         clip(ray.origin.z, ray.direction.z, [low, high], [from, to])
     }
 
-    /// Where a ray is above blocks and between two heights.
+    /// Where in a part of it a ray is above blocks and between two heights.
     #[inline(always)]
-    pub fn clip_blocks(&self, ray: &Ray, heights: [f64; 2]) -> [f64; 2] {
-        let mut part = self.clip_heights(ray, 0.0, f64::INFINITY, heights);
+    pub fn clip_blocks(&self, ray: &Ray, part: [f64; 2], heights: [f64; 2]) -> [f64; 2] {
+        let mut part = self.clip_heights(ray, part[0], part[1], heights);
         for axis in 0..2 {
             let edges = self
                 .blocks

@@ -46,6 +46,8 @@ pub struct Design {
     pub turbulence: Turbulence,
     /// The ground weave's yarns.
     pub skeleton: SkeletonDesign,
+    /// How the cloth lies in space.
+    pub form: Form,
     /// Lights and background.
     pub light: Light,
     /// Cameras and display.
@@ -77,6 +79,7 @@ impl Shaped for Design {
                 "The ground weave's yarns.",
                 SkeletonDesign::shape(),
             ),
+            section("form", "How the cloth lies in space.", Form::shape()),
             section("light", "Lights and background.", Light::shape()),
             section("view", "Cameras and display.", View::shape()),
             section("quality", "How a final picture is made.", Quality::shape()),
@@ -102,6 +105,7 @@ impl Design {
         self.pile.push_range_faults("pile", &mut faults);
         self.turbulence.push_range_faults("turbulence", &mut faults);
         self.skeleton.push_range_faults("skeleton", &mut faults);
+        self.form.push_faults(&mut faults);
         self.light.push_faults(&mut faults);
         self.view.push_faults(&mut faults);
         self.quality.push_range_faults("quality", &mut faults);

@@ -1,7 +1,9 @@
 //! The sections of a design, one struct each, in the order one designs: sheet, weave, chart, length, pile, turbulence,
-//! skeleton, light, view, quality. Field names are those of preset files.
+//! skeleton, form, light, view, quality. Field names are those of preset files.
 //!
 //! Longer than most files because it is the one list of all editable fields.
+
+use std::ops::RangeInclusive;
 
 use serde::{Deserialize, Serialize};
 
@@ -550,6 +552,126 @@ section! {
             colour: Colour = Colour([240, 238, 232]);
             /// Whether the ground weave is drawn.
             visible: bool = true;
+        }
+    }
+}
+
+choice! {
+    /// How the cloth lies.
+    FormKind {
+        /// Level.
+        Flat = "flat",
+        /// In waves.
+        Wave = "waves",
+        /// Rolled up from its far end.
+        Roll = "rolled up",
+        /// Over a rail; from there it hangs down in folds.
+        Hanging = "over a rail",
+        /// Folded back and forth to a stack.
+        Stack = "folded stack",
+        /// As a net of points that can be dragged pulls it.
+        Net = "net of points",
+    }
+}
+
+choice! {
+    /// Which way the cloth is bent.
+    BentAlong {
+        /// Along the warps: its length goes up and down, rolls up or hangs.
+        Warp = "along the warps",
+        /// Along the wefts: its width does.
+        Weft = "along the wefts",
+    }
+}
+
+section! {
+    /// How the cloth lies in space (the paper's future work 3). Cloth is bent, not stretched; a net of points may stretch it.
+    Form, FormFields {
+        numbers {
+            /// Radius of the rail that the cloth hangs over, or of the roll's hollow middle.
+            radius: f64 = 30.0, 0.5..=10_000.0, "mm";
+            /// Distance from one wave, or one fold of hanging cloth, to the next, measured along the cloth.
+            wavelength: f64 = 60.0, 1.0..=100_000.0, "mm";
+            /// How steep waves and hanging folds are where they are steepest; 0 has none.
+            steepness: f64 = 35.0, 0.0..=80.0, "°";
+            /// Share of the cloth that is rolled up.
+            rolled: f64 = 0.6, 0.0..=1.0, "";
+            /// How many layers a folded stack has.
+            layers: u32 = 4, 2..=64, "";
+            /// Air between the pile of one layer and the next, in rolls and stacks.
+            gap: f64 = 1.0, 0.2..=1000.0, "mm";
+        }
+        others {
+            /// How the cloth lies.
+            kind: FormKind = FormKind::Flat;
+            /// Which way the cloth is bent.
+            along: BentAlong = BentAlong::Warp;
+            /// Rolls have the front inside; else the back.
+            front_inside: bool = false;
+            /// Rows of points [x, y, z] in mm, from the near edge to the far one, each from left to right: 4 to 12 rows of 4 to 12 points that pull a smooth surface, which begins and ends in the outermost.
+            #[serde(skip_serializing_if = "Vec::is_empty")]
+            net: Vec<Vec<[f64; 3]>> = Vec::new();
+        }
+    }
+}
+
+impl Form {
+    /// Least and most rows of a net, and points of a row.
+    pub const NET_SIZES: RangeInclusive<usize> = 4..=12;
+    /// Farthest that a point of a net may be from the middle along each axis, mm.
+    pub const FARTHEST_MM: f64 = 1e5;
+
+    pub(super) fn push_faults(&self, faults: &mut Vec<Fault>) {
+        self.push_range_faults("form", faults);
+        let mut fault = |path: String, value: String, allowed: String| {
+            faults.push(Fault {
+                path,
+                value,
+                allowed,
+            });
+        };
+        let (least, most) = (Self::NET_SIZES.start(), Self::NET_SIZES.end());
+        let Some(first) = self.net.first() else {
+            if self.kind == FormKind::Net {
+                fault(
+                    "form.net".into(),
+                    "empty".into(),
+                    format!("{least} to {most} rows of points when form.kind is \"net\""),
+                );
+            }
+            return;
+        };
+        if !Self::NET_SIZES.contains(&self.net.len()) {
+            fault(
+                "form.net".into(),
+                format!("{} rows", self.net.len()),
+                format!("{least} to {most} rows"),
+            );
+        }
+        for (index, row) in self.net.iter().enumerate() {
+            let path = format!("form.net[{index}]");
+            if !Self::NET_SIZES.contains(&row.len()) || row.len() != first.len() {
+                fault(
+                    path.clone(),
+                    format!("{} points", row.len()),
+                    format!("{least} to {most} points, in all rows as many"),
+                );
+            }
+            let values = row.iter().enumerate().flat_map(|(point, at)| {
+                at.iter()
+                    .enumerate()
+                    .map(move |(axis, value)| (point, axis, value))
+            });
+            for (point, axis, value) in values {
+                // NaN is in no range.
+                if !(-Self::FARTHEST_MM..=Self::FARTHEST_MM).contains(value) {
+                    fault(
+                        format!("{path}[{point}][{axis}]"),
+                        value.to_string(),
+                        format!("{} to {} mm", -Self::FARTHEST_MM, Self::FARTHEST_MM),
+                    );
+                }
+            }
         }
     }
 }

@@ -10,7 +10,7 @@
 
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use super::SurfaceOptics;
 use crate::design::Phase;
@@ -78,7 +78,7 @@ impl Lobe {
 /// A point that scatters light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Vertex {
-    /// World position, mm.
+    /// Position in the flat sheet, mm; for level cloth that in the world.
     pub position: DVec3,
     /// Distance along the ray that found it, mm.
     pub t: f64,
@@ -88,11 +88,21 @@ pub struct Vertex {
     pub albedo: DVec3,
     /// How it scatters.
     pub lobe: Lobe,
+    /// Turns directions of the sheet, which `normal`, `lobe` and all directions of scattering are, to those of the world.
+    pub world_from_sheet: DMat3,
 }
 
 impl Vertex {
+    /// A direction of the world as one of the sheet.
+    #[inline(always)]
+    pub fn sheet_direction(&self, world: DVec3) -> DVec3 {
+        self.world_from_sheet.transpose() * world
+    }
+
     /// The ray that leaves it towards `direction`, a surface from `offset_mm` above it: that is to be above the precision of
-    /// the renderer's hits and far below any yarn.
+    /// the renderer's hits and far below any yarn. It starts in the sheet, but its direction is the one that it has in the
+    /// world.
+    #[inline(always)]
     pub fn leave(&self, direction: DVec3, offset_mm: f64) -> Ray {
         let origin = match self.lobe {
             Lobe::Surface(normal) | Lobe::Phong(normal) | Lobe::Fibres { normal, .. } => {
@@ -100,7 +110,10 @@ impl Vertex {
             }
             _ => self.position,
         };
-        Ray { origin, direction }
+        Ray {
+            origin,
+            direction: self.world_from_sheet * direction,
+        }
     }
 }
 

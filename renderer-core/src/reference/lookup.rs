@@ -1,6 +1,6 @@
 //! From the scene's records to what rays meet: patches, frames, volumes, yarns, and the points that scatter.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use super::volume::LoopVolume;
 use super::walk::{BlockLoops, LoopPlace, Span};
@@ -87,6 +87,7 @@ impl Tracer {
             },
             albedo: albedo * shade,
             lobe,
+            world_from_sheet: DMat3::IDENTITY,
         }
     }
 
@@ -108,6 +109,7 @@ impl Tracer {
                     Lobe::Surface(hit.normal)
                 }
             },
+            world_from_sheet: DMat3::IDENTITY,
         }
     }
 }

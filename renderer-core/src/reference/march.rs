@@ -7,6 +7,7 @@
 
 use std::ops::ControlFlow;
 
+use super::form::Stretch;
 use super::tracked::{Overlap, chosen, crowded};
 use super::walk::LoopPart;
 use super::{LoopPlace, Scratch, SkeletonHit, Span, Tracer};
@@ -55,7 +56,7 @@ impl Tracer {
         scratch.counters.rays += 1;
         let mut transmittance = 1.0;
         let mut vertex = None;
-        let skeleton = self.march(ray, scratch, |piece, overlaps| {
+        let skeleton = self.march(ray, scratch, |stretch, piece, overlaps| {
             let left = transmittance * f64::exp(-piece.sigma * piece.length);
             if left >= xi {
                 transmittance = left;
@@ -63,18 +64,25 @@ impl Tracer {
             }
             let t = piece.start + f64::ln(transmittance / xi) / piece.sigma;
             vertex = chosen(overlaps, choice * piece.sigma).map(|overlap| {
-                self.loop_vertex(ray, overlap.place, t, overlap.inside, overlap.shade)
+                let ray = &stretch.ray;
+                stretch.place(self.loop_vertex(
+                    ray,
+                    overlap.place,
+                    t,
+                    overlap.inside,
+                    overlap.shade,
+                ))
             });
             ControlFlow::Break(())
         });
-        vertex.or_else(|| skeleton.map(|hit| self.skeleton_vertex(ray, hit)))
+        vertex.or_else(|| skeleton.map(|(stretch, hit)| self.ground_vertex(&stretch, hit)))
     }
 
     /// Share of light that comes through along a shadow ray.
     pub fn marched_visibility(&self, ray: &Ray, scratch: &mut Scratch) -> f64 {
         scratch.counters.shadow_rays += 1;
         let mut transmittance = 1.0;
-        let skeleton = self.march(ray, scratch, |piece, _| {
+        let skeleton = self.march(ray, scratch, |_, piece, _| {
             transmittance *= f64::exp(-piece.sigma * piece.length);
             if transmittance < DARK {
                 transmittance = 0.0;
@@ -95,9 +103,10 @@ impl Tracer {
         &self,
         ray: &Ray,
         scratch: &mut Scratch,
-        mut visit: impl FnMut(&Piece, &[Overlap]) -> ControlFlow<()>,
-    ) -> Option<SkeletonHit> {
-        for mut span in self.grid.walk(ray) {
+        mut visit: impl FnMut(&Stretch, &Piece, &[Overlap]) -> ControlFlow<()>,
+    ) -> Option<(Stretch, SkeletonHit)> {
+        for (stretch, mut span) in self.spans(ray) {
+            let ray = &stretch.ray;
             scratch.counters.cells += 1;
             let skeleton = self.skeleton_hit(ray, &span);
             if let Some(hit) = skeleton {
@@ -105,13 +114,15 @@ impl Tracer {
             }
             let mut met = std::mem::take(&mut scratch.met);
             self.meet(ray, &span, &mut met, scratch);
-            let broke = self.march_block(ray, &met, scratch, &mut visit);
+            let broke = self.march_block(ray, &met, scratch, |piece, overlaps| {
+                visit(&stretch, piece, overlaps)
+            });
             scratch.met = met;
             if broke.is_break() {
                 return None;
             }
-            if skeleton.is_some() {
-                return skeleton;
+            if let Some(hit) = skeleton {
+                return Some((stretch, hit));
             }
         }
         None
@@ -139,7 +150,7 @@ impl Tracer {
         ray: &Ray,
         met: &Met,
         scratch: &mut Scratch,
-        visit: &mut impl FnMut(&Piece, &[Overlap]) -> ControlFlow<()>,
+        mut visit: impl FnMut(&Piece, &[Overlap]) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         for ends in met.cuts.windows(2) {
             let between = Interval::new(ends[0], ends[1]);

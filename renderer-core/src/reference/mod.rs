@@ -10,12 +10,13 @@
 //!   walk (`walk`) over loops of both faces;
 //! - step 6, the sum of all these: `path`.
 //!
-//! Frames of loops are made once, and nothing is skipped beyond what the blocks' lists tell of where loops are and, for
+//! Cloth that is bent is met stretch by stretch: `form`. Frames of loops are made once, and nothing is skipped beyond what the blocks' lists tell of where loops are and, for
 //! `tracked`, the part of a ray that can be in a loop, so that it stays plain.
 
 mod backend;
 mod exact;
 mod first_event;
+mod form;
 mod layered;
 mod lookup;
 mod march;

@@ -95,10 +95,10 @@ impl<'a> PathTracer<'a> {
             };
         };
         Sample {
-            radiance: self.radiance_from(first, -ray.direction),
+            radiance: self.radiance_from(first, first.sheet_direction(-ray.direction)),
             first: Some(FirstHit {
                 depth_mm: first.t,
-                normal: first.normal,
+                normal: first.world_from_sheet * first.normal,
                 albedo: first.albedo,
             }),
         }
@@ -138,9 +138,10 @@ impl<'a> PathTracer<'a> {
             }
             let [u, v, survival, _] = self.random(Set::Onward { bounce });
             let (direction, weight) = tracer.optics.sample(vertex.lobe, view, [u, v]);
+            let onward = tracer.leave(&vertex, direction, SURFACE_OFFSET_MM);
             throughput *= vertex.albedo * weight;
             if gathers_environment && !follows_environment {
-                radiance += throughput * environment_radiance(lights, direction);
+                radiance += throughput * environment_radiance(lights, onward.direction);
                 if bounce == bounces {
                     break;
                 }
@@ -152,12 +153,13 @@ impl<'a> PathTracer<'a> {
                 }
                 throughput /= chance;
             }
-            let onward = vertex.leave(direction, SURFACE_OFFSET_MM);
             match tracer.collision(&onward, &mut self.pcg, self.scratch) {
-                Some(next) => (vertex, view) = (next, -direction),
+                Some(next) => {
+                    (vertex, view) = (next, next.sheet_direction(-onward.direction));
+                }
                 None => {
                     if follows_environment {
-                        radiance += throughput * environment_radiance(lights, direction);
+                        radiance += throughput * environment_radiance(lights, onward.direction);
                     }
                     break;
                 }
@@ -177,11 +179,12 @@ impl<'a> PathTracer<'a> {
             };
             let [u, v, ..] = self.random(set);
             let centre = DVec3::from_array(sun.direction);
-            let direction = directions::cone(centre, sun.angular_radius, u, v);
+            let direction =
+                vertex.sheet_direction(directions::cone(centre, sun.angular_radius, u, v));
             let value = tracer.optics.value(vertex.lobe, view, direction);
             if value > 0.0 || gather.orders > 0 {
                 let visibility = self.visibility(
-                    &vertex.leave(direction, SURFACE_OFFSET_MM),
+                    &tracer.leave(vertex, direction, SURFACE_OFFSET_MM),
                     gather.composited,
                 );
                 let by_bounces = gather.by_bounces(vertex, direction, visibility);
@@ -207,12 +210,10 @@ impl<'a> PathTracer<'a> {
         let sides = [1.0_f64.copysign(vertex.position.z), f64::from(down)];
         let (direction, weight) =
             (tracer.optics).sample_environment(vertex.lobe, view, sides, [u, v, side]);
-        let visibility = self.visibility(
-            &vertex.leave(direction, SURFACE_OFFSET_MM),
-            gather.composited,
-        );
+        let towards = tracer.leave(vertex, direction, SURFACE_OFFSET_MM);
+        let visibility = self.visibility(&towards, gather.composited);
         let by_bounces = gather.by_bounces(vertex, direction, visibility);
-        environment_radiance(lights, direction) * (by_bounces + visibility) * weight
+        environment_radiance(lights, towards.direction) * (by_bounces + visibility) * weight
     }
 
     fn visibility(&mut self, ray: &Ray, composited: bool) -> f64 {

@@ -10,6 +10,7 @@ use std::ops::ControlFlow;
 
 use glam::DVec3;
 
+use super::form::Stretch;
 use super::walk::{BlockLoops, LoopPart};
 use super::{LoopPlace, Scratch, SkeletonHit, Tracer};
 use crate::geometry::{Interval, Ray};
@@ -161,10 +162,11 @@ impl Tracer {
         ray: &Ray,
         pcg: &mut Pcg,
         scratch: &mut Scratch,
-        mut collide: impl FnMut(&Tentative, &mut Pcg, &mut Scratch) -> ControlFlow<()>,
-    ) -> Option<SkeletonHit> {
+        mut collide: impl FnMut(&Stretch, &Tentative, &mut Pcg, &mut Scratch) -> ControlFlow<()>,
+    ) -> Option<(Stretch, SkeletonHit)> {
         let mut depth_left = free_depth(pcg);
-        for span in self.grid.walk(ray) {
+        for (stretch, span) in self.spans(ray) {
+            let ray = &stretch.ray;
             scratch.counters.cells += 1;
             let skeleton = self.skeleton_hit(ray, &span);
             let end = skeleton.map_or(span.leave, |hit| hit.t);
@@ -209,7 +211,7 @@ impl Tracer {
                 let sigma = self.overlaps_at(ray.at(t), places, scratch);
                 if sigma > 0.0 {
                     let tentative = Tentative { t, majorant, sigma };
-                    broke = collide(&tentative, pcg, scratch).is_break();
+                    broke = collide(&stretch, &tentative, pcg, scratch).is_break();
                     if broke {
                         break;
                     }
@@ -220,8 +222,8 @@ impl Tracer {
             if broke {
                 return None;
             }
-            if skeleton.is_some() {
-                return skeleton;
+            if let Some(hit) = skeleton {
+                return Some((stretch, hit));
             }
         }
         None
@@ -231,7 +233,7 @@ impl Tracer {
     pub fn collision(&self, ray: &Ray, pcg: &mut Pcg, scratch: &mut Scratch) -> Option<Vertex> {
         scratch.counters.rays += 1;
         let mut vertex = None;
-        let skeleton = self.track(ray, pcg, scratch, |tentative, pcg, scratch| {
+        let skeleton = self.track(ray, pcg, scratch, |stretch, tentative, pcg, scratch| {
             // One number decides both whether it collides and with which loop: with each in proportion to its part of σ.
             let number = f64::from(pcg.next_float()) * tentative.majorant;
             if number >= tentative.sigma {
@@ -244,18 +246,21 @@ impl Tracer {
                      inside,
                      shade,
                      ..
-                 }| { self.loop_vertex(ray, place, tentative.t, inside, shade) },
+                 }| {
+                    let vertex = self.loop_vertex(&stretch.ray, place, tentative.t, inside, shade);
+                    stretch.place(vertex)
+                },
             );
             ControlFlow::Break(())
         });
-        vertex.or_else(|| skeleton.map(|hit| self.skeleton_vertex(ray, hit)))
+        vertex.or_else(|| skeleton.map(|(stretch, hit)| self.ground_vertex(&stretch, hit)))
     }
 
     /// Share of light that comes through along a shadow ray, by ratio tracking: random, with the right mean.
     pub fn tracked_visibility(&self, ray: &Ray, pcg: &mut Pcg, scratch: &mut Scratch) -> f64 {
         scratch.counters.shadow_rays += 1;
         let mut transmittance = 1.0;
-        let skeleton = self.track(ray, pcg, scratch, |tentative, pcg, scratch| {
+        let skeleton = self.track(ray, pcg, scratch, |_, tentative, pcg, scratch| {
             scratch.counters.contributing_hits += 1;
             transmittance *= 1.0 - tentative.sigma / tentative.majorant;
             if transmittance < ROULETTE_BELOW {

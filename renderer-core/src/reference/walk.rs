@@ -1,7 +1,7 @@
 //! The walk of a ray through the grid of blocks, front to back (Amanatides and Woo, Eurographics 1987), and through the cells
 //! of a block.
 //!
-//! Space: world, mm. The grid is the sheet's blocks and its margin, [`crate::scene::Loops`]. A block's part of the ray is
+//! Space: sheet, mm. The grid is the sheet's blocks and its margin, [`crate::scene::Loops`]. A block's part of the ray is
 //! half open, t in [enter, leave), and one block's `leave` is the next one's `enter` to the bit, so that a hit lies in
 //! exactly one block. Crossings are computed from the block's number each time, not added up.
 
@@ -124,7 +124,12 @@ impl Grid {
 
     /// The blocks along a ray.
     pub fn walk(&self, ray: &Ray) -> Walk<'_> {
-        let whole = clip_to_box(ray, Interval::new(0.0, f64::INFINITY), self.low, self.high);
+        self.walk_part(ray, Interval::new(0.0, f64::INFINITY))
+    }
+
+    /// The blocks along a part of a ray.
+    pub fn walk_part(&self, ray: &Ray, part: Interval) -> Walk<'_> {
+        let whole = clip_to_box(ray, part, self.low, self.high);
         let start = ray.at(whole.low);
         Walk {
             grid: self,

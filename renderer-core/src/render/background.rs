@@ -7,7 +7,6 @@
 use glam::{DVec2, DVec3};
 
 use super::{Camera, RenderRequest};
-use crate::design::SkeletonHeight;
 use crate::scene::Scene;
 
 /// The box is taken this much larger on each side, as a share of its size and in mm: rays in f32 miss by up to 10⁻⁴ mm what
@@ -18,26 +17,14 @@ const ROUNDING_MM: f64 = 1e-9;
 /// The same for what a unit direction changes: over all of a scene it comes to less than [`ROUNDING_MM`].
 const ROUNDING: f64 = 1e-13;
 
-/// Corners of the box that holds all loops and ground yarns, mm: least and greatest.
+/// Corners of the box that holds all loops and ground yarns, in world space, mm: least and greatest.
 pub fn cloth_box(scene: &Scene) -> [DVec3; 2] {
-    let [least, greatest] = scene.loops.borders_mm(&scene.sheet).map(DVec2::from_array);
-    let [low, high] = z_range_mm(scene);
-    [least.extend(low), greatest.extend(high)]
-}
-
-/// Lowest and highest point of loops and skeleton, mm.
-pub fn z_range_mm(scene: &Scene) -> [f64; 2] {
-    let [mut low, mut high] = scene.loops.z_range_mm.map(f64::from);
-    let skeleton = &scene.skeleton;
-    if skeleton.visible {
-        let thickest = skeleton.warp_radius_mm.max(skeleton.weft_radius_mm);
-        let reach = f64::from(match skeleton.height {
-            SkeletonHeight::Winding => thickest + skeleton.crimp_mm,
-            SkeletonHeight::Paper => thickest,
-        });
-        (low, high) = (low.min(-reach), high.max(reach));
+    if let Some(form) = &*scene.form {
+        return form.bounds();
     }
-    [low, high]
+    let [least, greatest] = scene.loops.borders_mm(&scene.sheet).map(DVec2::from_array);
+    let [low, high] = scene.heights_mm();
+    [least.extend(low), greatest.extend(high)]
 }
 
 /// A plane through `point`; the box lies where `normal` does not point, up to `box_reach` beyond the plane.

@@ -161,24 +161,16 @@ impl Camera {
     }
 
     /// The ray basis of the tile whose reference point is `pixel`; the origin is moved along the reference ray to where
-    /// it enters the box around the cloth (`z_range_mm` high), so that f32 offsets from it stay small.
+    /// it enters the box around the cloth (its least and greatest corner), so that f32 offsets from it stay small.
     pub fn ray_tile(
         &self,
         pixel: DVec2,
         size: [u32; 2],
         sheet: &SheetGeometry,
-        z_range_mm: [f64; 2],
-        margin_mm: f64,
+        [low, high]: [DVec3; 2],
     ) -> RayTile {
         let (eye, direction, [origin_dx, origin_dy], [direction_dx, direction_dy]) =
             self.basis(pixel, size);
-        let half = DVec2::new(
-            f64::from(sheet.warps) * sheet.pitch_x_mm,
-            f64::from(sheet.wefts) * sheet.pitch_y_mm,
-        ) / 2.0
-            + margin_mm;
-        let low = DVec3::new(-half.x, -half.y, z_range_mm[0]);
-        let high = DVec3::new(half.x, half.y, z_range_mm[1]);
         let (depth_offset, face) = entry(eye, direction, low, high);
         let origin = eye + direction * depth_offset;
         // Across the view: where rays are after as many unnormalised directions as the reference ray.

@@ -13,7 +13,7 @@ pub mod progressive;
 pub mod shadow_cache;
 mod skips;
 
-pub use background::{background_tiles, cloth_box, z_range_mm};
+pub use background::{background_tiles, cloth_box};
 pub use camera::{Camera, Projection, RayTile};
 pub use first_look::FirstLook;
 pub use skips::{Skip, Skips};

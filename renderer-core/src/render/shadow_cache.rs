@@ -20,7 +20,6 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::RenderRequest;
-use super::background::z_range_mm;
 use crate::design::Method;
 use crate::optics::Seen;
 use crate::scene::Scene;
@@ -100,7 +99,7 @@ impl ShadowGrid {
         let sheet = &scene.sheet;
         let cells = [sheet.warps, sheet.wefts];
         let pitch_mm = [sheet.pitch_x_mm, sheet.pitch_y_mm];
-        let [low, high] = z_range_mm(scene);
+        let [low, high] = scene.heights_mm();
         let tallest = high.max(-low).max(1e-3);
         let width_mm =
             pitch_mm[0].min(pitch_mm[1]) * f64::from(1_u32 << shift) / f64::from(per_cell);

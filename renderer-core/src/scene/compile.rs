@@ -3,15 +3,18 @@
 //! Each section has inputs; if they equal those of the last design, it keeps its `Arc`. Which parts of a design a section
 //! depends on:
 //!
-//! | section  | sheet | weave | chart, length           | pile             | turbulence | skeleton     | light | quality |
-//! | -------- | ----- | ----- | ----------------------- | ---------------- | ---------- | ------------ | ----- | ------- |
-//! | sheet    | ×     |       |                         |                  |            |              |       |         |
-//! | loops    | ×     | ×     | each cell's length      | shape of frames  | ×          | yarns' shape |       |         |
-//! | looks    | ×     | ×     | colours, table          | optics, variants | seed       | colour       |       | bounces |
-//! | volumes  |       |       | reference length, kinds | yarn, volume     |            |              |       |         |
-//! | pile     |       |       | table                   | phase, density   |            |              |       |         |
-//! | skeleton |       | ×     |                         |                  |            | ×            |       |         |
-//! | lights   |       |       |                         |                  |            |              | ×     |         |
+//! | section  | sheet | weave | chart, length           | pile             | turbulence | skeleton     | form | light | quality |
+//! | -------- | ----- | ----- | ----------------------- | ---------------- | ---------- | ------------ | ---- | ----- | ------- |
+//! | sheet    | ×     |       |                         |                  |            |              |      |       |         |
+//! | loops    | ×     | ×     | each cell's length      | shape of frames  | ×          | yarns' shape |      |       |         |
+//! | looks    | ×     | ×     | colours, table          | optics, variants | seed       | colour       |      |       | bounces |
+//! | volumes  |       |       | reference length, kinds | yarn, volume     |            |              |      |       |         |
+//! | pile     |       |       | table                   | phase, density   |            |              |      |       |         |
+//! | skeleton |       | ×     |                         |                  |            | ×            |      |       |         |
+//! | form     | ×     | loops | loops                   | loops            | loops      | yarns' shape | ×    |       |         |
+//! | lights   |       |       |                         |                  |            |              |      | ×     |         |
+//!
+//! The form of level cloth depends on nothing; that of any other is made anew when the loops are, whose height it must hold.
 //!
 //! The view and the rest of quality belong to requests; no section depends on them. Sections that are cheap are made
 //! anew and kept when equal; loops, looks and volumes have their inputs compared.
@@ -26,16 +29,18 @@ use super::grid::{self, NoGrid};
 use super::length::{CellLengths, LengthRule};
 use super::looks::{Materials, looks};
 use super::plant::{Frames, LoopsInputs};
-use super::report::{CompileReport, timed};
+use super::report::{CompileReport, SECTIONS, timed};
 use super::skeleton::RootHeights;
 use super::turbulence::TurbulenceField;
+use super::types::heights_mm;
 use super::volumes::rasterise_unless_cancelled;
 use super::{
-    CellSet, Lights, LoopLook, Loops, PileOptics, Scene, Section, SeenCells, SheetGeometry,
-    Skeleton, Volumes,
+    CellSet, FormMesh, Lights, LoopLook, Loops, PileOptics, Scene, Section, SeenCells,
+    SheetGeometry, Skeleton, Volumes,
 };
 use crate::design::{
-    Chart, Colour, Design, Fault, Filter, Length, Phase, Pile, PileKind, Turbulence, Warning,
+    Chart, Colour, Design, Fault, Filter, Form, FormKind, Length, Phase, Pile, PileKind,
+    Turbulence, Warning,
 };
 use crate::render::{Skip, Skips};
 
@@ -121,6 +126,7 @@ pub struct Compiler {
     loops: Option<(LoopsInputs, Section<Loops>)>,
     looks: Option<(LooksOfLoops, Section<Vec<LoopLook>>)>,
     volumes: Option<(VolumesInputs, Section<Volumes>)>,
+    form: Option<(FormInputs, Section<Option<FormMesh>>)>,
     report: CompileReport,
 }
 
@@ -135,6 +141,9 @@ pub enum SeenScene {
 
 /// What looks follow from, and the loops that they are of.
 type LooksOfLoops = (LooksInputs, Section<Loops>);
+
+/// Everything that the form follows from: itself, the sheet with its loops, and the lowest and highest point over the sheet.
+type FormInputs = (Form, SheetGeometry, Section<Loops>, [f64; 2]);
 
 /// Everything that the turbulence follows from.
 type TurbulenceInputs = (SheetGeometry, Turbulence);
@@ -295,6 +304,7 @@ impl Compiler {
             }
         };
 
+        let form = self.form_of(&design.form, &sheet, &loops, &skeleton)?;
         let scene = Scene {
             sheet: keep(old.map(|old| &old.sheet), sheet),
             loops,
@@ -302,9 +312,10 @@ impl Compiler {
             volumes,
             pile: keep(old.map(|old| &old.pile), optics),
             skeleton: keep(old.map(|old| &old.skeleton), skeleton),
+            form,
             lights: keep(old.map(|old| &old.lights), Lights::new(&design.light)),
         };
-        self.report.kept = old.map_or([false; 7], |old| scene.same_sections(old));
+        self.report.kept = old.map_or([false; SECTIONS.len()], |old| scene.same_sections(old));
         self.report.seconds.total = start.elapsed().as_secs_f64();
         if is_part {
             return Ok(SeenScene::Part(Arc::new(scene)));
@@ -330,6 +341,33 @@ impl Compiler {
             frames: FrameSettings::new(&design.pile),
             turbulence: design.turbulence.clone(),
         }
+    }
+
+    /// The form; a level one is kept whatever the loops are.
+    fn form_of(
+        &mut self,
+        form: &Form,
+        sheet: &SheetGeometry,
+        loops: &Section<Loops>,
+        skeleton: &Skeleton,
+    ) -> Result<Section<Option<FormMesh>>, CompileError> {
+        let heights = heights_mm(loops, skeleton);
+        if form.kind == FormKind::Flat
+            && let Some((_, made)) = &self.form
+            && made.is_none()
+        {
+            return Ok(made.clone());
+        }
+        let inputs = (form.clone(), *sheet, loops.clone(), heights);
+        if let Some(made) = kept(self.form.as_ref(), &inputs) {
+            return Ok(made);
+        }
+        let made = timed(&mut self.report.seconds.form, || {
+            FormMesh::new(form, sheet, loops, heights)
+        });
+        let made = Section::new(made.map_err(|fault| CompileError::Invalid(vec![fault]))?);
+        self.form = Some((inputs, made.clone()));
+        Ok(made)
     }
 
     fn lengths_of(&mut self, design: &Design, sheet: &SheetGeometry) -> CellLengths {
@@ -421,8 +459,8 @@ impl Compiler {
 }
 
 impl Scene {
-    /// Which sections are those of another scene, in the order of [`SECTIONS`](super::SECTIONS).
-    pub fn same_sections(&self, other: &Self) -> [bool; 7] {
+    /// Which sections are those of another scene, in the order of [`SECTIONS`].
+    pub fn same_sections(&self, other: &Self) -> [bool; SECTIONS.len()] {
         [
             self.sheet == other.sheet,
             self.loops == other.loops,
@@ -430,6 +468,7 @@ impl Scene {
             self.volumes == other.volumes,
             self.pile == other.pile,
             self.skeleton == other.skeleton,
+            self.form == other.form,
             self.lights == other.lights,
         ]
     }

@@ -5,8 +5,8 @@ use std::time::Instant;
 use serde::Serialize;
 
 /// Sections of a scene, by name, in the order of [`CompileReport::kept`].
-pub const SECTIONS: [&str; 7] = [
-    "sheet", "loops", "looks", "volumes", "pile", "skeleton", "lights",
+pub const SECTIONS: [&str; 8] = [
+    "sheet", "loops", "looks", "volumes", "pile", "skeleton", "form", "lights",
 ];
 
 /// What the last compilation did.
@@ -45,13 +45,15 @@ pub struct StageSeconds {
     pub looks: f64,
     /// The voxels inside the loops.
     pub volumes: f64,
+    /// The bent cloth's corners and boxes.
+    pub form: f64,
     /// Everything, what is not listed here included.
     pub total: f64,
 }
 
 impl StageSeconds {
     /// The stages by name, and the rest of the total.
-    pub fn by_name(&self) -> [(&'static str, f64); 7] {
+    pub fn by_name(&self) -> [(&'static str, f64); 8] {
         let Self {
             turbulence,
             lengths,
@@ -59,9 +61,10 @@ impl StageSeconds {
             grid,
             looks,
             volumes,
+            form,
             total,
         } = *self;
-        let staged = turbulence + lengths + frames + grid + looks + volumes;
+        let staged = turbulence + lengths + frames + grid + looks + volumes + form;
         [
             ("turbulence", turbulence),
             ("lengths", lengths),
@@ -69,6 +72,7 @@ impl StageSeconds {
             ("grid", grid),
             ("looks", looks),
             ("volumes", volumes),
+            ("form", form),
             ("rest of compile", (total - staged).max(0.0)),
         ]
     }

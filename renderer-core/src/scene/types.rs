@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 
-use super::Loops;
+use super::{FormMesh, Loops};
 use crate::design::{
     EnvironmentImage, Interpolation, Phase, PileKind, SkeletonHeight, SkeletonShading,
 };
@@ -56,11 +56,18 @@ pub struct Scene {
     pub pile: Section<PileOptics>,
     /// The ground weave.
     pub skeleton: Section<Skeleton>,
+    /// How the cloth lies in space; `None` for level cloth, whose sheet space is world space.
+    pub form: Section<Option<FormMesh>>,
     /// Lights and background.
     pub lights: Section<Lights>,
 }
 
 impl Scene {
+    /// Lowest and highest point of loops and ground yarns over the sheet, mm.
+    pub fn heights_mm(&self) -> [f64; 2] {
+        heights_mm(&self.loops, &self.skeleton)
+    }
+
     /// Whether as much of each light reaches every point of both scenes: colours and backgrounds may differ.
     pub fn has_same_shadows(&self, other: &Self) -> bool {
         self.sheet == other.sheet
@@ -68,6 +75,7 @@ impl Scene {
             && self.volumes == other.volumes
             && self.pile == other.pile
             && self.skeleton == other.skeleton
+            && self.form == other.form
             && self.lights == other.lights
     }
 }
@@ -207,6 +215,20 @@ pub struct Skeleton {
     pub repeat: [u32; 2],
     /// For each cell of the repeat, row by row: whether the warp lies over the weft.
     pub warp_over: Vec<bool>,
+}
+
+/// Lowest and highest point of loops and ground yarns over the sheet, mm.
+pub(super) fn heights_mm(loops: &Loops, skeleton: &Skeleton) -> [f64; 2] {
+    let [mut low, mut high] = loops.z_range_mm.map(f64::from);
+    if skeleton.visible {
+        let thickest = skeleton.warp_radius_mm.max(skeleton.weft_radius_mm);
+        let reach = f64::from(match skeleton.height {
+            SkeletonHeight::Winding => thickest + skeleton.crimp_mm,
+            SkeletonHeight::Paper => thickest,
+        });
+        (low, high) = (low.min(-reach), high.max(reach));
+    }
+    [low, high]
 }
 
 /// A sun.

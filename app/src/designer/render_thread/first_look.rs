@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use renderer_core::design::Design;
+use renderer_core::design::{Design, FormKind};
 use renderer_core::render::{Camera, FirstLook, Settings};
 use renderer_core::scene::SeenCells;
 
@@ -34,6 +34,10 @@ pub fn plan(
     settings: &Settings,
     cost: Option<f64>,
 ) -> Option<Plan> {
+    if design.form.kind != FormKind::Flat {
+        // Which cells bent cloth shows is not told so quickly.
+        return None;
+    }
     let cells = f64::from(design.sheet.warps) * f64::from(design.sheet.wefts);
     let mut divisor = first_divisor(cost, size);
     while divisor <= COARSEST {

@@ -56,6 +56,8 @@ fn camera_ray(tile_index: u32, pixel: vec2<f32>, film: vec2<f32>) -> CameraRay {
         vec3<f32>(near, coarse.z + rest.z),
         direction / max(stretch, 1.0e-30),
         -from_eye,
+        -from_eye,
+        FAR,
     );
     return CameraRay(ray, from_eye);
 }

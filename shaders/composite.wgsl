@@ -89,16 +89,16 @@ fn pile_scatter(ray: Ray, hit: Gathered, index: u32) -> Scatter {
     return at;
 }
 
-// The first event at which the transmittance falls below `threshold` in (0, 1]: an event is chosen with probability
-// T·α, so its weight is 1 and the walk ends there.
-fn composite_first(ray: Ray, threshold: f32) -> Scatter {
+// The first event at which the optical depth exceeds `depth_left`, which is lowered by what the ray meets: an event is chosen
+// with probability T·α, so its weight is 1 and the walk ends there.
+fn composite_first(ray: Ray, depth_left: ptr<function, f32>) -> Scatter {
     // Step 5: the skeleton is opaque; loops of the far side are met in blocks behind its gaps. It is looked for once the ray
     // is about to reach it: most are taken by pile above it.
     let ground_from = ground_search_start(ray);
     var ground = no_yarn();
     var ground_known = ground_from >= FAR;
     var walk = walk_begin(ray, scene.z_range, FAR);
-    let depth_to = depth_of(threshold);
+    let depth_to = *depth_left;
     var depth = 0.0;
     var chosen: Gathered;
     var chosen_index = 0u;
@@ -138,6 +138,7 @@ fn composite_first(ray: Ray, threshold: f32) -> Scatter {
         }
         walk_step(ray, &walk);
     }
+    *depth_left = depth_to - depth;
     if depth > depth_to {
         if COUNTERS && !ground_known {
             count_hidden_rays += 1u;

@@ -226,11 +226,12 @@ fn march(ray: Ray, depth_to: f32, ground_from: f32, ends_with_ground: bool) -> M
     return marched;
 }
 
-// Where the transmittance along a ray falls below `threshold` in (0, 1]; `choice` in [0, 1) picks one of the loops there,
-// by their shares of σ.
-fn exact_first(ray: Ray, threshold: f32, choice: f32) -> Scatter {
-    let depth_to = depth_of(threshold);
+// Where the optical depth along a ray exceeds `depth_left`, which is lowered by what the ray meets; `choice` in [0, 1) picks one
+// of the loops there, by their shares of σ.
+fn exact_first(ray: Ray, depth_left: ptr<function, f32>, choice: f32) -> Scatter {
+    let depth_to = *depth_left;
     let marched = march(ray, depth_to, ground_search_start(ray), false);
+    *depth_left = depth_to - marched.depth;
     if !marched.fell {
         if marched.ground.t < FAR {
             return ground_scatter(ray, marched.ground);

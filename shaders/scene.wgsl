@@ -78,6 +78,13 @@ struct SceneConstants {
     fibre_spacing: f32,
     // Share of looks at the environment that go to the other side of the ground.
     looks_down: f32,
+    // BENT: facets along x and y, the first cell of the first, lowest and highest z of the flat cloth, cells along a facet's
+    // sides, and levels of boxes.
+    form_facets: vec2<i32>,
+    form_first_cell: vec2<i32>,
+    form_heights: vec2<f32>,
+    form_facet_cells: i32,
+    form_levels: u32,
     // Albedo of the ground yarns; w unused.
     skeleton_albedo: vec4<f32>,
     // Radiance of the environment where the sky is 1; w: azimuth of the middle of SKY_IMAGE's picture.
@@ -112,6 +119,9 @@ struct SceneConstants {
 @group(0) @binding(10) var voxel_sampler: sampler;
 // SKY_IMAGE: equirectangular, row 0 at the zenith.
 @group(0) @binding(11) var sky_picture: texture_2d<f32>;
+// BENT: in rows of FORM_ROW, world positions of the lower and the upper end of the facets' corners, then least and greatest
+// corners of boxes.
+@group(0) @binding(12) var form_mesh: texture_2d<f32>;
 
 // Where light is scattered; `cell` and `point` as in Ray.
 const NOTHING: u32 = 0u;

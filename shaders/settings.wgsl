@@ -79,6 +79,8 @@ override OWEN: bool = true;
 override SKY: u32 = 0u;
 // First samples may take their shadows from a cache.
 override CACHED_SHADOWS: bool = false;
+// The cloth is bent, or pulled by a net.
+override BENT: bool = false;
 // Also accumulate depth, normal and albedo.
 override AOV: bool = false;
 // Count rays, cells and tests.

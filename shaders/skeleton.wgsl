@@ -249,7 +249,7 @@ fn ground_entry(ray: Ray) -> f32 {
     if SKELETON == SKELETON_NONE {
         return FAR;
     }
-    let range = clip_band(vec2<f32>(ray.t_start, FAR), ray.origin.z, ray.direction.z, ground_height());
+    let range = clip_band(vec2<f32>(ray.t_from, ray.t_to), ray.origin.z, ray.direction.z, ground_height());
     return select(FAR, range.x, range.x < range.y);
 }
 

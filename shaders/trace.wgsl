@@ -4,7 +4,7 @@
 // pattern and the loop frames, are scene::compile's.) With more than one scattering the light that arrives at a point
 // of the pile comes from other points as well: paths go on through the same medium by `tracked`.
 
-// The share of light that reaches a scattering point from a direction.
+// The share of light that reaches a scattering point from a direction of the world.
 fn visibility(at: Scatter, towards_light: vec3<f32>, bounce: u32, random: ptr<function, Pcg>) -> f32 {
     if !SHADOWS {
         return 1.0;
@@ -12,7 +12,16 @@ fn visibility(at: Scatter, towards_light: vec3<f32>, bounce: u32, random: ptr<fu
     if COUNTERS {
         count_shadow_rays += 1u;
     }
-    let ray = ray_from(at.cell, at.point, towards_light);
+    var way = way_begin(ray_from(at.cell, at.point, towards_light), true);
+    var visible = 1.0;
+    for (var n = 0u; visible > 0.0 && goes_on(&way, n); n++) {
+        visible *= visibility_along(way.stretch, bounce, random);
+    }
+    return visible;
+}
+
+// The same along a ray through the flat sheet.
+fn visibility_along(ray: Ray, bounce: u32, random: ptr<function, Pcg>) -> f32 {
     if METHOD == METHOD_TRACKED {
         return track_visibility(ray, random);
     }
@@ -39,19 +48,36 @@ fn scatter_along(ray: Ray, bounce: u32, film: vec4<f32>, random: ptr<function, P
     if COUNTERS {
         count_rays += 1u;
     }
+    var depth_left = depth_of(1.0 - film.z);
+    var way = way_begin(ray, bounce > 1u);
+    var at = no_scatter();
+    for (var n = 0u; at.what == NOTHING && goes_on(&way, n); n++) {
+        at = placed(scatter_in(way.stretch, bounce, film, &depth_left, random), way);
+    }
+    return at;
+}
+
+// The same along a ray through the flat sheet.
+fn scatter_in(
+    ray: Ray,
+    bounce: u32,
+    film: vec4<f32>,
+    depth_left: ptr<function, f32>,
+    random: ptr<function, Pcg>,
+) -> Scatter {
     if METHOD != METHOD_TRACKED {
         if !LONG_PATHS || bounce == 1u {
             if METHOD == METHOD_EXACT {
-                return exact_first(ray, 1.0 - film.z, film.w);
+                return exact_first(ray, depth_left, film.w);
             }
-            return composite_first(ray, 1.0 - film.z);
+            return composite_first(ray, depth_left);
         }
     }
     return track(ray, random);
 }
 
 // Step 6: what arrives at a point from the lights and is scattered towards the eye.
-fn lit(at: Scatter, towards_eye: vec3<f32>, bounce: u32, seed: u32, sample: u32, random: ptr<function, Pcg>) -> vec3<f32> {
+fn lit(at: Scatter, turn: Turn, towards_eye: vec3<f32>, bounce: u32, seed: u32, sample: u32, random: ptr<function, Pcg>) -> vec3<f32> {
     var sum = vec3<f32>();
     // `tracked`, and later scatterings, meet the environment where a path escapes.
     let closing = CLOSING && bounce == slice.closing_bounce;
@@ -71,13 +97,13 @@ fn lit(at: Scatter, towards_eye: vec3<f32>, bounce: u32, seed: u32, sample: u32,
         var share: vec3<f32>;
         var even_share: vec3<f32>;
         if is_sun {
-            towards_light = sun_direction(scene.suns[i], u.xy);
+            towards_light = sheet_from_world(turn, sun_direction(scene.suns[i], u.xy));
             share = scattered(at, towards_eye, towards_light) * scene.suns[i].irradiance.xyz;
             even_share = at.albedo * scene.suns[i].irradiance.xyz * (0.25 / PI);
         } else {
             let drawn = draw_sky_direction(at, towards_eye, u);
             towards_light = drawn.direction;
-            share = drawn.weight * environment_radiance(drawn.direction);
+            share = drawn.weight * environment_radiance(world_from_sheet(turn, drawn.direction));
             even_share = share;
         }
         if closing || max(max(share.x, share.y), share.z) > 0.0 {
@@ -90,7 +116,7 @@ fn lit(at: Scatter, towards_eye: vec3<f32>, bounce: u32, seed: u32, sample: u32,
                 }
             }
             if visible.x < 0.0 {
-                visible = vec2<f32>(visibility(at, towards_light, bounce, random));
+                visible = vec2<f32>(visibility(at, world_from_sheet(turn, towards_light), bounce, random));
                 if cached {
                     learn_shadow(entry + i, visible.x);
                 }
@@ -126,8 +152,9 @@ fn trace_path(camera_ray: Ray, film: vec4<f32>, seed: u32, sample: u32) -> Path 
         if bounce > slice.bounces {
             break;
         }
-        let towards_eye = -ray.direction;
-        path.radiance += throughput * lit(at, towards_eye, bounce, seed, sample, &random);
+        let turn = turn_at(at);
+        let towards_eye = sheet_from_world(turn, -ray.direction);
+        path.radiance += throughput * lit(at, turn, towards_eye, bounce, seed, sample, &random);
 
         if CLOSING && bounce == slice.closing_bounce {
             break;
@@ -141,10 +168,11 @@ fn trace_path(camera_ray: Ray, film: vec4<f32>, seed: u32, sample: u32) -> Path 
         }
         let onward = sample_set(seed, sample, set_at(bounce, SET_ONWARD));
         let drawn = draw_direction(at, towards_eye, onward.xy);
+        let onward_direction = world_from_sheet(turn, drawn.direction);
         throughput *= drawn.weight;
         if !SHADOWS && (METHOD == METHOD_TRACKED || bounce > 1u) {
             // Nothing is between the point and the environment: no ray needs to find out.
-            path.radiance += throughput * environment_radiance(drawn.direction);
+            path.radiance += throughput * environment_radiance(onward_direction);
             if bounce == slice.bounces {
                 break;
             }
@@ -156,7 +184,7 @@ fn trace_path(camera_ray: Ray, film: vec4<f32>, seed: u32, sample: u32) -> Path 
             }
             throughput /= survival;
         }
-        ray = ray_from(at.cell, at.point, drawn.direction);
+        ray = ray_from(at.cell, at.point, onward_direction);
     }
     return path;
 }
@@ -217,7 +245,8 @@ fn trace_main(@builtin(global_invocation_id) id: vec3<u32>) {
         let scramble = vec4<u32>(scramble_of(sample)) == vec4<u32>(0u, 1u, 2u, 3u);
         signed += select(vec4<f32>(), vec4<f32>(signed_sum), scramble);
         if AOV && met {
-            let facing = select(-1.0, 1.0, dot(path.first.normal, camera.ray.direction) <= 0.0) * path.first.normal;
+            let normal = world_from_sheet(turn_at(path.first), path.first.normal);
+            let facing = select(-1.0, 1.0, dot(normal, camera.ray.direction) <= 0.0) * normal;
             normal_depth += vec4<f32>(facing, camera.from_eye + path.first.t);
             albedo += vec4<f32>(path.first.albedo, 1.0);
         }

@@ -1,4 +1,4 @@
-// Walking the grid of blocks, or the cells of the sheet, along a ray (Amanatides and Woo 1987), in coordinates that do not grow with the sheet.
+// Walking the grid of blocks, or the cells of the flat sheet, along a ray (Amanatides and Woo 1987), in coordinates that do not grow with the sheet.
 // A boundary's distance is computed from whole cells, never summed up, so it is the same from both of its sides.
 
 // A ray from a point given relative to the centre (x, y) of a cell and to the sheet (z), mm.
@@ -8,6 +8,9 @@ struct Ray {
     direction: vec3<f32>,
     // Distance at which the ray starts: 0, or the eye's, which lies before the origin of a camera's ray.
     t_start: f32,
+    // The part of it that is looked at: all, or a stretch of it through bent cloth.
+    t_from: f32,
+    t_to: f32,
 }
 
 struct Walk {
@@ -46,6 +49,8 @@ fn ray_from(cell: vec2<i32>, point: vec3<f32>, direction: vec3<f32>) -> Ray {
         vec3<f32>(point.xy - moved * scene.pitch, point.z),
         direction,
         0.0,
+        0.0,
+        FAR,
     );
 }
 
@@ -72,8 +77,8 @@ fn walk_over(ray: Ray, heights: vec2<f32>, t_to: f32, first: vec2<i32>, end: vec
     let b = (high - ray.origin) * inverse;
     let near = min(a, b);
     let far = max(a, b);
-    let t_enter = max(max(near.x, near.y), max(near.z, ray.t_start));
-    let t_end = min(min(far.x, far.y), min(far.z, t_to));
+    let t_enter = max(max(near.x, near.y), max(near.z, ray.t_from));
+    let t_end = min(min(far.x, far.y), min(far.z, min(ray.t_to, t_to)));
     let entry = ray.origin.xy + t_enter * ray.direction.xy;
     let cells = clamp(floor(entry / scene.pitch + 0.5), first_edge + 0.5, last_edge - 0.5);
     var walk = Walk(

@@ -20,6 +20,7 @@ mod designer;
 mod environment;
 mod error_estimate;
 mod first_look;
+mod form;
 mod frames;
 mod geometry;
 mod gpu_backend;

@@ -76,6 +76,7 @@ fn all_needs() -> Vec<SceneNeeds> {
                         opaque_rays: on(2),
                         hidden_ground: on(3) == on(4),
                         cached_shadows: on(2) == on(6),
+                        bent: on(1) == on(5),
                     });
                 }
             }

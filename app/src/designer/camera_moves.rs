@@ -1,9 +1,10 @@
 //! How gestures move a camera: orbit, pan, zoom, fit. Pure functions on [`CameraDesign`]; lengths in mm, angles in
 //! degrees, positions in pixels from the picture's top left corner.
 
-use glam::{DVec2, DVec3};
+use glam::{BVec3, DVec2, DVec3};
 use renderer_core::design::{CameraDesign, Design};
 use renderer_core::render::{Camera, Projection};
+use renderer_core::scene::bent_box;
 
 /// A view that every cloth has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -91,16 +92,24 @@ pub fn zoom(camera: &mut CameraDesign, factor: f64, pixel: DVec2, size: [u32; 2]
     move_target(camera, fixed + (target - fixed) * scale);
 }
 
-/// Corners of the box that holds the cloth.
-fn corners(design: &Design) -> impl Iterator<Item = DVec3> {
+/// Least and greatest corner of the box that holds the cloth.
+fn cloth_box(design: &Design) -> [DVec3; 2] {
+    if let Some(bent) = bent_box(design) {
+        return bent;
+    }
     let half = DVec3::new(
         f64::from(design.sheet.warps) * design.sheet.pitch_x() / 2.0,
         f64::from(design.sheet.wefts) * design.sheet.pitch_y() / 2.0,
         design.length.longest().min(design.pile.max_length),
     );
+    [-half, half]
+}
+
+/// Corners of a box.
+fn corners([low, high]: [DVec3; 2]) -> impl Iterator<Item = DVec3> {
     (0..8).map(move |k| {
-        let sign = |bit: u32| if k >> bit & 1 == 1 { 1.0 } else { -1.0 };
-        half * DVec3::new(sign(0), sign(1), sign(2))
+        let is_high = |bit: u32| k >> bit & 1 == 1;
+        DVec3::select(BVec3::new(is_high(0), is_high(1), is_high(2)), high, low)
     })
 }
 
@@ -109,7 +118,7 @@ pub fn shows_all(camera: &CameraDesign, design: &Design, size: [u32; 2]) -> bool
     let view = Camera::from_design(camera);
     let target = DVec3::from_array(camera.target);
     let aspect = f64::from(size[0]) / f64::from(size[1]);
-    corners(design).all(|corner| {
+    corners(cloth_box(design)).all(|corner| {
         let from_target = corner - target;
         let half_height = match view.projection {
             Projection::Perspective { fov } => {
@@ -124,9 +133,12 @@ pub fn shows_all(camera: &CameraDesign, design: &Design, size: [u32; 2]) -> bool
 
 /// Moves the camera back and to the middle until the whole cloth is in a picture of `size` pixels.
 pub fn fit(camera: &mut CameraDesign, design: &Design, size: [u32; 2]) {
-    camera.target = [0.0; 3];
+    let cloth = cloth_box(design);
+    let middle = 0.5 * (cloth[0] + cloth[1]);
+    camera.target = middle.to_array();
     let view = Camera::from_design(camera);
-    let corners = corners(design).map(|corner| {
+    let corners = corners(cloth).map(|corner| {
+        let corner = corner - middle;
         DVec3::new(
             corner.dot(view.right).abs(),
             corner.dot(view.up).abs(),

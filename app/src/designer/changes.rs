@@ -25,6 +25,10 @@ pub fn describe(before: &Design, after: &Design) -> String {
             .or_else(|| other(before.turbulence != after.turbulence, "kind of turbulence")),
         numbers("skeleton", &before.skeleton, &after.skeleton)
             .or_else(|| other(before.skeleton != after.skeleton, "look of the skeleton")),
+        numbers("form", &before.form, &after.form)
+            .or_else(|| other(before.form.kind != after.form.kind, "form of the cloth"))
+            .or_else(|| other(before.form.net != after.form.net, "net of points"))
+            .or_else(|| other(before.form != after.form, "way the cloth is bent")),
         light(before, after),
         view(before, after),
         numbers("quality", &before.quality, &after.quality)

@@ -66,6 +66,15 @@ pub enum Command {
     OpenEnvironment,
     /// Use this image of the surroundings.
     UseEnvironment(PathBuf),
+    /// Move a point of the net that pulls the cloth, mm.
+    MoveNetPoint {
+        /// Its row.
+        row: usize,
+        /// Its place in that.
+        column: usize,
+        /// Where to.
+        to: [f64; 3],
+    },
     /// Show the cloth from here.
     Look(CameraDesign),
     /// Show the cloth from a standard view.

@@ -356,6 +356,7 @@ impl App {
             design
         });
         let design = tried_out.as_ref().unwrap_or(design);
+        self.viewport.shows_net = self.panels.form_is_open();
         self.viewport
             .show(ui, design, faults.is_empty(), &mut self.commands);
         let messages = UiBuilder::new().max_rect(rect.shrink2(egui::vec2(12.0, 8.0)));

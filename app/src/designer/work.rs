@@ -57,6 +57,12 @@ impl App {
                 self.dialogs.ask(Purpose::OpenEnvironment, &folder, "", ctx);
             }
             Command::UseEnvironment(path) => self.load_environment(ctx, path),
+            Command::MoveNetPoint { row, column, to } => {
+                let net = &mut self.document.design.form.net;
+                if let Some(point) = net.get_mut(row).and_then(|row| row.get_mut(column)) {
+                    *point = to;
+                }
+            }
             Command::Look(camera) => self.viewport.camera = camera,
             Command::Standard(view) => {
                 let design = &self.document.design;

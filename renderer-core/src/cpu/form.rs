@@ -104,7 +104,7 @@ impl Iterator for Way<'_> {
 impl<'a> BentWay<'a> {
     fn new(mesh: &'a FormMesh, ray: &Ray, start: Start) -> Self {
         let (origin, inside) = match start {
-            Start::Eye => (ray.origin, None),
+            Start::Eye => (ray.origin, mesh.holding(ray.origin)),
             Start::Cloth => {
                 let (facet, shares) = mesh.shares_of(ray.origin);
                 let order = FormMesh::order_of(shares);

@@ -132,6 +132,8 @@ constants! {
     STITCH_FAR = 3;
     /// Bit of a stitch word: warp over at the crossing before along y.
     STITCH_NEAR = 4;
+    /// Texels of a row of a bent cloth's mesh.
+    FORM_ROW = 1024;
     /// Vectors a pixel in the accumulation.
     SUMS = 2;
     /// The same with AOV.
@@ -233,6 +235,16 @@ mirrors! {
         fibre_spacing: f32,
         /// Share of looks at the environment that go to the other side of the ground.
         looks_down: f32,
+        /// Facets of bent cloth.
+        form_facets: [i32; 2],
+        /// First cell of the first.
+        form_first_cell: [i32; 2],
+        /// Lowest and highest z of the flat cloth, mm.
+        form_heights: [f32; 2],
+        /// Cells along a facet's sides.
+        form_facet_cells: i32,
+        /// Levels of boxes around facets.
+        form_levels: u32,
         /// Albedo of the ground yarns.
         skeleton_albedo: [f32; 4],
         /// Radiance of the environment where the sky is 1; azimuth of a picture's middle.

@@ -39,6 +39,8 @@ pub struct SceneNeeds {
     pub sky: u32,
     /// First samples may take their shadows from a cache, which the device has room for.
     pub cached_shadows: bool,
+    /// The cloth is bent.
+    pub bent: bool,
     /// Depth, normal and albedo are accumulated.
     pub aov: bool,
     /// Work is counted.
@@ -81,6 +83,7 @@ impl SceneNeeds {
                 _ => layout::SKY_UNIFORM,
             },
             cached_shadows: false,
+            bent: scene.form.is_some(),
             aov: settings.aov,
             counters: settings.counters,
             filter_f32,
@@ -131,6 +134,7 @@ impl SceneNeeds {
             flag("OWEN", self.owen),
             ("SKY", self.sky.into()),
             flag("CACHED_SHADOWS", self.cached_shadows),
+            flag("BENT", self.bent),
             flag("AOV", self.aov),
             flag("COUNTERS", self.counters),
             flag("FILTER_F32", self.filter_f32),

@@ -183,6 +183,7 @@ impl Pipelines {
                     wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
                 ),
                 table(11),
+                table(12),
             ];
             context
                 .device

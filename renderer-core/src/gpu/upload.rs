@@ -4,12 +4,12 @@ use bytemuck::Zeroable;
 
 use crate::design::Phase;
 use crate::render::RenderError;
-use crate::scene::{PileOptics, Scene, Skeleton, Sky, Volumes};
+use crate::scene::{FormMesh, PileOptics, Scene, Skeleton, Sky, Volumes};
 
 use super::GpuContext;
 use super::layout::{
-    HIGHLIGHT_INTERVALS, MAX_MATERIALS, MAX_SUNS, Material, STITCH_FAR, STITCH_HERE, STITCH_LEFT,
-    STITCH_NEAR, STITCH_RIGHT, SceneConstants, Sun,
+    FORM_ROW, HIGHLIGHT_INTERVALS, MAX_MATERIALS, MAX_SUNS, Material, STITCH_FAR, STITCH_HERE,
+    STITCH_LEFT, STITCH_NEAR, STITCH_RIGHT, SceneConstants, Sun,
 };
 use super::{highlight, pipelines::Pipelines};
 
@@ -28,6 +28,7 @@ pub struct SceneBuffers {
     tangents: [wgpu::Texture; 2],
     sampler: wgpu::Sampler,
     sky: wgpu::Texture,
+    form: wgpu::Texture,
     /// All of them as group 0 of the tracing program.
     pub group: wgpu::BindGroup,
 }
@@ -107,11 +108,15 @@ impl SceneBuffers {
             Some(old) => old.sky.clone(),
             None => sky_texture(context, &scene.lights.sky),
         };
+        let form = match kept(|a, b| a.form == b.form) {
+            Some(old) => old.form.clone(),
+            None => form_texture(context, scene.form.as_ref())?,
+        };
         let constants = uniform_buffer(context, bytemuck::bytes_of(&scene_constants(scene)));
 
         let view = |texture: &wgpu::Texture| texture.create_view(&Default::default());
         let views = [&highlight, &voxels, &tangents[0], &tangents[1]].map(view);
-        let sky_view = view(&sky);
+        let [sky_view, form_view] = [&sky, &form].map(view);
         let buffers = [&constants, &shapes, &looks, &headers, &entries, &stitches];
         let resources = buffers
             .into_iter()
@@ -120,6 +125,7 @@ impl SceneBuffers {
             .chain([
                 wgpu::BindingResource::Sampler(&sampler),
                 wgpu::BindingResource::TextureView(&sky_view),
+                wgpu::BindingResource::TextureView(&form_view),
             ]);
         let entries_of_group: Vec<_> = (0..)
             .zip(resources)
@@ -145,6 +151,7 @@ impl SceneBuffers {
             tangents,
             sampler,
             sky,
+            form,
             group,
         })
     }
@@ -171,6 +178,7 @@ impl SceneBuffers {
             + texture(&self.voxels)
             + texture(&self.highlight)
             + texture(&self.sky)
+            + texture(&self.form)
             + self.tangents.iter().map(texture).sum::<u64>()
     }
 }
@@ -287,6 +295,32 @@ fn sky_texture(context: &GpuContext, sky: &Sky) -> wgpu::Texture {
     )
 }
 
+/// The mesh of bent cloth: corners, then boxes, in rows; a tiny texture for level cloth.
+fn form_texture(
+    context: &GpuContext,
+    mesh: Option<&FormMesh>,
+) -> Result<wgpu::Texture, RenderError> {
+    let mut texels: Vec<[f32; 4]> = Vec::new();
+    let mut height = 1;
+    if let Some(mesh) = mesh {
+        let ends = mesh.corners.iter().chain(&mesh.boxes).flatten();
+        texels.extend(ends.map(|&[x, y, z]| [x, y, z, 0.0]));
+        let row = FORM_ROW as usize;
+        height = texels.len().div_ceil(row);
+        texels.resize(height * row, [0.0; 4]);
+        let limit = u64::from(context.limits.max_texture_dimension_2d);
+        context.check("the rows of the bent cloth's mesh", height as u64, limit)?;
+    }
+    let width = if mesh.is_some() { FORM_ROW } else { 1 };
+    Ok(texture(
+        context,
+        wgpu::TextureDimension::D2,
+        wgpu::TextureFormat::Rgba32Float,
+        [width, height as u32, 1],
+        bytemuck::cast_slice(&texels),
+    ))
+}
+
 /// Voxels as one 3D texture with all volumes stacked up, and tangents as two; tiny ones where there are none.
 fn volume_textures(
     context: &GpuContext,
@@ -387,6 +421,7 @@ fn rgb(colour: [f64; 3]) -> [f32; 4] {
 fn scene_constants(scene: &Scene) -> SceneConstants {
     let (sheet, loops, volumes) = (&scene.sheet, &scene.loops, &scene.volumes);
     let (pile, skeleton, lights) = (&scene.pile, &scene.skeleton, &scene.lights);
+    let form = scene.form.as_ref();
     let slices = volumes.layers * volumes.variants * volumes.kinds.len() as u32;
     let [u, v, w] = volumes.reference_size_mm;
     let reach = |radius: f32, pitch: f64| {
@@ -465,6 +500,11 @@ fn scene_constants(scene: &Scene) -> SceneConstants {
         skeleton_exponent: skeleton.exponent,
         fibre_spacing: 2.0 * skeleton.fibre_spacing,
         looks_down: skeleton.worth_looking_down(&scene.sheet),
+        form_facets: form.map_or([0; 2], |form| form.facets.map(|count| count as i32)),
+        form_first_cell: form.map_or([0; 2], |form| form.first_cell),
+        form_heights: form.map_or([0.0; 2], |form| form.heights.map(|mm| mm as f32)),
+        form_facet_cells: form.map_or(1, |form| form.facet_cells as i32),
+        form_levels: form.map_or(0, |form| form.levels.len() as u32),
         skeleton_albedo: rgb(skeleton.albedo.map(f64::from)),
         environment,
         sky_zenith: rgb(zenith),

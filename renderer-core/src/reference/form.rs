@@ -6,7 +6,7 @@
 use glam::{DMat3, DVec3};
 
 use super::{SkeletonHit, Span, Tracer};
-use crate::geometry::{Interval, Ray, clip_to_box};
+use crate::geometry::{Interval, Ray};
 use crate::optics::Vertex;
 use crate::scene::{FormMesh, ORDERS};
 
@@ -47,15 +47,8 @@ impl Tracer {
             }];
         };
         let mut stretches = Vec::new();
-        for (facet, bounds) in mesh.all_facets().zip(&mesh.boxes) {
-            let [low, high] = bounds.map(|corner| DVec3::from_array(corner.map(f64::from)));
-            if !clip_to_box(ray, whole, low, high).is_empty() {
-                stretches.extend(
-                    ORDERS
-                        .iter()
-                        .filter_map(|order| stretch(mesh, ray, facet, *order)),
-                );
-            }
+        for facet in mesh.facets_along(ray) {
+            stretches.extend((ORDERS.iter()).filter_map(|order| stretch(mesh, ray, facet, *order)));
         }
         let start = |stretch: &Stretch| stretch.part.low * stretch.world_per_sheet;
         stretches.sort_by(|a, b| start(a).total_cmp(&start(b)));

@@ -121,6 +121,27 @@ impl Camera {
         }
     }
 
+    /// Width of a pixel of a picture `height` pixels high, across the view at a point, mm.
+    pub fn pixel_mm_at(&self, point: DVec3, height: u32) -> f64 {
+        let across = match self.projection {
+            Projection::Orthographic { height_mm } => height_mm,
+            Projection::Perspective { fov } => {
+                2.0 * (point - self.eye).dot(self.forward).max(0.0) * (0.5 * fov).tan()
+            }
+        };
+        across / f64::from(height.max(1))
+    }
+
+    /// Where a point is in a picture of `size` pixels, from its top left; `None` behind the eye.
+    pub fn pixel_of(&self, point: DVec3, size: [u32; 2]) -> Option<DVec2> {
+        let from_eye = point - self.eye;
+        let pixel_mm = self.pixel_mm_at(point, size[1]);
+        let is_ahead = self.is_parallel() || from_eye.dot(self.forward) > 0.0;
+        let offset = DVec2::new(from_eye.dot(self.right), -from_eye.dot(self.up)) / pixel_mm;
+        let middle = DVec2::new(f64::from(size[0]), f64::from(size[1])) / 2.0;
+        is_ahead.then_some(middle + offset)
+    }
+
     /// Whether all rays have one direction.
     pub fn is_parallel(&self) -> bool {
         matches!(self.projection, Projection::Orthographic { .. })

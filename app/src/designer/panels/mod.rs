@@ -3,6 +3,7 @@
 
 mod cameras;
 mod chart;
+mod form;
 mod height_map;
 mod length_table;
 mod light;
@@ -36,6 +37,7 @@ pub struct Panels {
     loop_length: loop_length::State,
     pile: pile::State,
     turbulence: turbulence::State,
+    form: form::State,
     light: light::State,
     /// Whether panels are open, by title, where that is not as they start.
     pub open: BTreeMap<String, bool>,
@@ -62,13 +64,14 @@ pub struct Surroundings<'a> {
 /// Title of a panel, the parts of the design whose faults belong to it, and whether it starts open.
 struct Title(&'static str, &'static [&'static str], bool);
 
-const TITLES: [Title; 8] = [
+const TITLES: [Title; 9] = [
     Title("Sheet & weave", &["sheet", "weave"], true),
     Title("Chart", &["chart"], true),
     Title("Loop length", &["length"], false),
     Title("Pile", &["pile"], false),
     Title("Turbulence", &["turbulence"], false),
     Title("Skeleton", &["skeleton"], false),
+    Title("Form", &["form"], false),
     Title("Light", &["light"], false),
     Title("View & quality", &["view", "quality"], false),
 ];
@@ -85,6 +88,11 @@ impl Panels {
     /// Titles of all panels, from top to bottom.
     pub fn titles() -> impl Iterator<Item = &'static str> {
         TITLES.iter().map(|Title(title, ..)| *title)
+    }
+
+    /// Whether the panel of the cloth's form is open.
+    pub fn form_is_open(&self) -> bool {
+        self.open.get("Form").copied().unwrap_or(false)
     }
 
     /// Whether the chart editor is open.
@@ -121,7 +129,8 @@ impl Panels {
                     3 => pile::show(ui, &mut self.pile, design, around),
                     4 => turbulence::show(ui, &mut self.turbulence, design, around),
                     5 => skeleton::show(ui, &mut design.skeleton),
-                    6 => light::show(ui, &mut self.light, &mut design.light, around),
+                    6 => form::show(ui, &mut self.form, design, around.commands),
+                    7 => light::show(ui, &mut self.light, &mut design.light, around),
                     _ => view_quality::show(ui, design, around),
                 });
                 if is_open != was_open {

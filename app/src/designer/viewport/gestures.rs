@@ -25,17 +25,21 @@ const ZOOM_PER_KEY: f64 = 1.2;
 const WHEEL_PER_E: f64 = 300.0;
 
 impl Viewport {
-    /// Turns what happened to the picture since the last frame into camera moves and commands.
+    /// Turns what happened to the picture since the last frame into camera moves and commands; drags only where they are not
+    /// those of a net's point.
     pub(super) fn gestures(
         &mut self,
         ui: &Ui,
         response: &Response,
         picture: &Area,
         design: &Design,
+        drags_net: bool,
         commands: &mut Vec<Command>,
     ) {
         let before = self.camera.clone();
-        self.drags(ui, response, picture);
+        if !drags_net {
+            self.drags(ui, response, picture);
+        }
         self.scrolls(ui, response, picture);
         if self.camera != before {
             self.screen.knows_gestures();

@@ -6,6 +6,7 @@ pub mod command;
 mod compare;
 mod gestures;
 mod loupe;
+mod net;
 mod overlay;
 mod picture;
 mod readout;
@@ -30,6 +31,7 @@ use super::renderer::{MakeBackend, for_window};
 use super::style;
 use crate::backend::BackendChoice;
 use compare::{Compare, Snapshot};
+use net::NetPoint;
 use overlay::Corner;
 use picture::{Enlarging, Texture};
 pub use readout::Readout;
@@ -41,6 +43,10 @@ pub struct Viewport {
     pub camera: CameraDesign,
     /// Which light.
     pub light: LiveLight,
+    /// Whether the points of a net that pulls the cloth are shown.
+    pub shows_net: bool,
+    /// The one that the pointer has.
+    net_point: Option<NetPoint>,
     thread: RenderThread,
     window: Option<egui_wgpu::RenderState>,
     watch: Option<DeviceWatch>,
@@ -88,6 +94,8 @@ impl Viewport {
         Self {
             camera: CameraDesign::default(),
             light: LiveLight::default(),
+            shows_net: false,
+            net_point: None,
             thread: RenderThread::new(make, cc.egui_ctx.clone()),
             window,
             watch,
@@ -281,12 +289,13 @@ impl Viewport {
         self.keep_true_scale(ui.ctx());
         self.keep_all_in_view(design, before);
         self.compare.interact(ui, rect);
-        self.gestures(ui, &response, &area, design, commands);
+        let drags_net = self.drag_net(ui, &response, &area, design, commands);
+        self.gestures(ui, &response, &area, design, drags_net, commands);
         if is_valid {
             self.wish_for(design);
         }
         self.read_out(ui, &response, &area, design);
-        self.paint(ui, &response, &area);
+        self.paint(ui, &response, &area, design);
         if self.screen.needs_hint() && self.texture.is_some() {
             overlay::hint(ui, rect);
         }
@@ -425,7 +434,7 @@ impl Viewport {
         (self.screen.has_scale_bar() && mm.is_finite()).then_some(mm)
     }
 
-    fn paint(&self, ui: &Ui, response: &Response, area: &Area) {
+    fn paint(&self, ui: &Ui, response: &Response, area: &Area, design: &Design) {
         let rect = area.rect;
         let painter = ui.painter_at(rect);
         if let Some(texture) = &self.texture {
@@ -435,6 +444,7 @@ impl Viewport {
             painter.rect_filled(rect, 0.0, style::viewport_ground(ui.visuals()));
         }
         self.compare.paint(ui, &painter, rect);
+        self.paint_net(ui, &painter, area, design);
         overlay::note(
             &painter,
             rect.shrink(10.0),

@@ -3,6 +3,7 @@
 use egui::Color32;
 use glam::DVec2;
 use renderer_core::design::Design;
+use renderer_core::geometry::Ray;
 use renderer_core::render::Camera;
 use renderer_core::scene::{ChartOnSheet, Face, Scene};
 
@@ -18,8 +19,8 @@ pub struct Readout {
 }
 
 impl Readout {
-    /// What a camera's ray through a pixel meets: the plane through the middle of the pile on the side that is seen,
-    /// since it is loops one points at, not the ground below them.
+    /// What a camera's ray through a pixel meets: the plane, or of bent cloth the surface, through the middle of the pile on the
+    /// side that is seen, since it is loops one points at, not the ground below them.
     pub fn new(
         design: &Design,
         scene: &Scene,
@@ -28,18 +29,19 @@ impl Readout {
         size: [u32; 2],
     ) -> Option<Self> {
         let (origin, direction) = camera.ray(pixel, size);
-        let is_front = direction.z < 0.0;
         let z_range = scene.loops.z_range_mm.map(f64::from);
-        let height = if is_front {
-            z_range[1].max(0.0) / 2.0
+        let heights = [z_range[1].max(0.0) / 2.0, z_range[0].min(0.0) / 2.0];
+        let (at, is_front) = if let Some(form) = &*scene.form {
+            form.pick(&Ray { origin, direction }, heights)?
         } else {
-            z_range[0].min(0.0) / 2.0
+            let is_front = direction.z < 0.0;
+            let height = heights[usize::from(!is_front)];
+            let distance = (height - origin.z) / direction.z;
+            if !(distance.is_finite() && distance > 0.0) {
+                return None;
+            }
+            ((origin + direction * distance).truncate(), is_front)
         };
-        let distance = (height - origin.z) / direction.z;
-        if !(distance.is_finite() && distance > 0.0) {
-            return None;
-        }
-        let at = origin + direction * distance;
         let sheet = &scene.sheet;
         let cell = |at: f64, pitch: f64, count: u32| {
             let cell = (at / pitch + f64::from(count) / 2.0).floor();

@@ -18,15 +18,16 @@ pub use net::{Net, net_through, rest_place};
 use glam::{DMat3, DVec2, DVec3};
 
 use self::surface::Surface;
-use super::{Loops, SheetGeometry};
-use crate::design::{Fault, Form};
+use super::{Loops, PileReach, SheetGeometry};
+use crate::design::{Design, Fault, Form};
+use crate::geometry::{Interval, Ray, clip_to_box};
 
 /// Angle between neighbouring facets up to which they are made larger, radians: the map's bends hardly show in pile.
 const FACET_ANGLE: f64 = 0.1;
 /// Most blocks along a facet's side.
 const MOST_BLOCKS: u32 = 16;
 /// Most facets along a side of the sheet.
-const MOST_FACETS: u32 = 2048;
+const MOST_FACETS: u32 = 1024;
 /// Least share of its flat volume that a tetrahedron keeps: below, pile would pass through itself.
 const LEAST_VOLUME: f64 = 0.02;
 /// Boxes are this much too large, mm and as a share of the farthest corner: f32 rounds.
@@ -294,6 +295,78 @@ impl FormMesh {
         order
     }
 
+    /// The tetrahedron that holds a world position, if any does.
+    pub fn holding(&self, point: DVec3) -> Option<([i64; 2], Order)> {
+        let holds = |[low, high]: [DVec3; 2]| low.cmple(point).all() && point.cmple(high).all();
+        if !holds(self.bounds()) {
+            return None;
+        }
+        let boxes = self.all_facets().zip(&self.boxes);
+        let facets =
+            boxes.filter(|(_, bounds)| holds(bounds.map(|corner| corner.map(f64::from).into())));
+        let mut tets = facets.flat_map(|(facet, _)| ORDERS.map(|order| (facet, order)));
+        tets.find(|&(facet, order)| {
+            let map = self.tet(facet, order);
+            let shares = map.per_share.inverse() * (point - map.origin);
+            let [first, second, third] = order.map(|axis| shares[axis]);
+            first <= 1.0 && second <= first && third <= second && third >= 0.0
+        })
+    }
+
+    /// Where a ray of the world first meets the front from in front, or the back from behind: the surface through the flat cloth's
+    /// points of a height of the front, or of one of the back, mm. The sheet position (x, y), and whether it is the front.
+    pub fn pick(&self, ray: &Ray, [front, back]: [f64; 2]) -> Option<(DVec2, bool)> {
+        let mut nearest: Option<(f64, DVec2, bool)> = None;
+        for facet in self.facets_along(ray) {
+            for order in ORDERS {
+                let map = self.tet(facet, order);
+                let shares_per_mm = map.per_share.inverse();
+                let origin = shares_per_mm * (ray.origin - map.origin);
+                let slope = shares_per_mm * ray.direction;
+                let is_front = slope.z < 0.0;
+                let height = if is_front { front } else { back };
+                let share = (height - self.heights[0]) / (self.heights[1] - self.heights[0]);
+                let t = (share - origin.z) / slope.z;
+                let shares = origin + slope * t;
+                let is_here = Self::order_of(shares) == order
+                    && shares.min_element() >= 0.0
+                    && shares.max_element() <= 1.0;
+                if is_here && t > 0.0 && nearest.is_none_or(|(last, ..)| t < last) {
+                    nearest = Some((t, self.sheet_of(facet, shares).truncate(), is_front));
+                }
+            }
+        }
+        nearest.map(|(_, at, is_front)| (at, is_front))
+    }
+
+    /// The facets whose boxes a ray of the world meets, in no order.
+    pub fn facets_along(&self, ray: &Ray) -> Vec<[i64; 2]> {
+        let mut met = Vec::new();
+        let top = self.levels.len() - 1;
+        self.add_facets_along(ray, top, [0, 0], &mut met);
+        met
+    }
+
+    fn add_facets_along(&self, ray: &Ray, level: usize, [x, y]: [u32; 2], met: &mut Vec<[i64; 2]>) {
+        let [columns, rows] = self.levels[level];
+        if x >= columns || y >= rows {
+            return;
+        }
+        let bounds = self.boxes[self.first_box(level) + (y * columns + x) as usize];
+        let [low, high] = bounds.map(|corner| corner.map(f64::from).into());
+        let whole = Interval::new(0.0, f64::INFINITY);
+        if clip_to_box(ray, whole, low, high).is_empty() {
+            return;
+        }
+        if level == 0 {
+            met.push([i64::from(x), i64::from(y)]);
+            return;
+        }
+        for [i, j] in [[0, 0], [1, 0], [0, 1], [1, 1]] {
+            self.add_facets_along(ray, level - 1, [2 * x + i, 2 * y + j], met);
+        }
+    }
+
     /// Index of the first box of a level.
     pub fn first_box(&self, level: usize) -> usize {
         let counts = self.levels[..level].iter();
@@ -343,6 +416,35 @@ impl FormMesh {
     pub fn bytes(&self) -> u64 {
         (size_of_val(&*self.corners) + size_of_val(&*self.boxes)) as u64
     }
+}
+
+/// About the box around the cloth of a design that is not level, world, mm: of some points of its surface, as high and as low as
+/// its loops may be. `None` also for forms that have no room for the pile.
+pub fn bent_box(design: &Design) -> Option<[DVec3; 2]> {
+    /// Points along each side.
+    const POINTS: u32 = 48;
+    let reach = PileReach::of(design);
+    let sheet = &reach.sheet;
+    let size = DVec2::new(
+        f64::from(sheet.warps) * sheet.pitch_x_mm,
+        f64::from(sheet.wefts) * sheet.pitch_y_mm,
+    );
+    let heights = [reach.low_mm[2], reach.high_mm[2]];
+    let surface = Surface::new(&design.form, size, 0.0, heights).ok()??;
+    let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+    for index in 0..(POINTS + 1).pow(2) {
+        let share = DVec2::new(
+            f64::from(index % (POINTS + 1)),
+            f64::from(index / (POINTS + 1)),
+        ) / f64::from(POINTS);
+        let at = (share - 0.5) * size;
+        let (point, normal) = (surface.point(at), surface.normal(at));
+        for height in heights {
+            let end = point + normal * height;
+            bounds = [bounds[0].min(end), bounds[1].max(end)];
+        }
+    }
+    Some(bounds)
 }
 
 /// How many blocks a facet is wide and deep: as many as keep the angle between neighbours small.

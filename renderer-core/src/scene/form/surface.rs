@@ -8,7 +8,7 @@ use super::net::Net;
 use super::profile::{Bend, Profile};
 use crate::design::{BentAlong, Fault, Form, FormKind};
 
-/// Share of the hanging length over which folds grow.
+/// Share of the hanging length over which folds grow, and of a fold's length where that is more.
 const FOLDS_GROW: f64 = 0.7;
 /// Step by which directions of the surface are found, mm.
 const STEP_MM: f64 = 1e-3;
@@ -29,9 +29,9 @@ enum Shape {
     /// Bent over a rail, with folds of a length as steep as an angle below it.
     Hanging {
         profile: Profile,
-        /// Half the way over the rail, and from there to the end, mm.
+        /// Half the way over the rail, and from there to where folds are fully grown, mm.
         over: f64,
-        hanging: f64,
+        growth: f64,
         fold: f64,
         steepest: f64,
     },
@@ -105,7 +105,7 @@ impl Surface {
                 Shape::Hanging {
                     profile: profile(Bend::Rail { radius }),
                     over,
-                    hanging: (half - over).max(0.0),
+                    growth: FOLDS_GROW * (half - over).max(form.wavelength),
                     fold: form.wavelength,
                     steepest,
                 }
@@ -129,12 +129,12 @@ impl Surface {
             Shape::Hanging {
                 profile,
                 over,
-                hanging,
+                growth,
                 fold,
                 steepest,
             } => {
                 let below = (place.abs() - over).max(0.0);
-                let share = (below / (FOLDS_GROW * hanging).max(1.0)).min(1.0);
+                let share = (below / growth).min(1.0);
                 let angle = steepest * share * share * (3.0 - 2.0 * share);
                 let folded = fold_at(across, *fold, angle);
                 let direction = profile.direction(place);

@@ -1,0 +1,168 @@
+//! Form: how the cloth lies in space.
+
+use egui::{DragValue, Ui};
+use renderer_core::design::{Design, Form, FormKind};
+use renderer_core::scene::{Net, net_through};
+
+use super::Command;
+use crate::designer::widgets::{check, choice, number, row};
+
+/// Rows and columns of a net that is new.
+const NEW_NET: usize = 5;
+
+/// What the panel remembers: the point of the net whose place it shows.
+#[derive(Default)]
+pub struct State {
+    row: usize,
+    column: usize,
+}
+
+/// Shows the panel.
+pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design, commands: &mut Vec<Command>) {
+    let fields = Form::FIELDS;
+    let kind = design.form.kind;
+    choice(ui, "Lies", "How the cloth lies.", &mut design.form.kind);
+    if design.form.kind == FormKind::Net && design.form.net.is_empty() {
+        design.form.net = level_net(design, [NEW_NET; 2]);
+    }
+    let form = &mut design.form;
+    if matches!(
+        form.kind,
+        FormKind::Wave | FormKind::Roll | FormKind::Hanging | FormKind::Stack
+    ) {
+        choice(ui, "Bent", "Which way the cloth is bent.", &mut form.along);
+    }
+    match form.kind {
+        FormKind::Flat => {}
+        FormKind::Wave => {
+            number(ui, &fields.wavelength, &mut form.wavelength);
+            number(ui, &fields.steepness, &mut form.steepness);
+        }
+        FormKind::Roll => {
+            number(ui, &fields.rolled, &mut form.rolled);
+            number(ui, &fields.radius, &mut form.radius);
+            number(ui, &fields.gap, &mut form.gap);
+            check(
+                ui,
+                "Front inside",
+                "Rolls have the front inside; else the back.",
+                &mut form.front_inside,
+            );
+        }
+        FormKind::Hanging => {
+            number(ui, &fields.radius, &mut form.radius);
+            number(ui, &fields.wavelength, &mut form.wavelength);
+            number(ui, &fields.steepness, &mut form.steepness);
+        }
+        FormKind::Stack => {
+            number(ui, &fields.layers, &mut form.layers);
+            number(ui, &fields.gap, &mut form.gap);
+        }
+        FormKind::Net => net(ui, state, design),
+    }
+    if design.form.kind != kind {
+        // Another form is seldom where the last one was.
+        commands.push(Command::Fit);
+    }
+}
+
+/// A net that leaves the cloth level.
+fn level_net(design: &Design, size: [usize; 2]) -> Vec<Vec<[f64; 3]>> {
+    let sheet = &design.sheet;
+    let width = f64::from(sheet.warps) * sheet.pitch_x();
+    let length = f64::from(sheet.wefts) * sheet.pitch_y();
+    net_through(size, |across, along| {
+        [width * (across - 0.5), length * (along - 0.5), 0.0]
+    })
+}
+
+fn net(ui: &mut Ui, state: &mut State, design: &mut Design) {
+    ui.weak("Drag the points in the picture; with Alt they go straight up and down.");
+    let rows = design.form.net.len();
+    let columns = design.form.net.first().map_or(0, Vec::len);
+    let mut size = [columns, rows];
+    row(
+        ui,
+        "Points",
+        "How many points the net has along the weft and along the warp.",
+        |ui, label| {
+            ui.add(
+                DragValue::new(&mut size[0])
+                    .range(Form::NET_SIZES)
+                    .speed(0.05),
+            )
+            .labelled_by(label.id);
+            ui.label("×");
+            ui.add(
+                DragValue::new(&mut size[1])
+                    .range(Form::NET_SIZES)
+                    .speed(0.05),
+            )
+            .labelled_by(label.id);
+            let level = ui.button("Lay level");
+            if level
+                .on_hover_text("Puts all points where they leave the cloth level.")
+                .clicked()
+            {
+                design.form.net = level_net(design, size);
+            }
+        },
+    );
+    if size != [columns, rows] && rows >= 4 && columns >= 4 {
+        // The same surface, as nearly as so many points can pull it.
+        let surface = Net::new(&design.form.net);
+        design.form.net = net_through(size, |across, along| surface.at(across, along).to_array());
+    }
+    let net = &mut design.form.net;
+    let [last_row, last_column] = [
+        net.len().saturating_sub(1),
+        net.first().map_or(0, |row| row.len().saturating_sub(1)),
+    ];
+    (state.row, state.column) = (state.row.min(last_row), state.column.min(last_column));
+    // From 1, as rows are told everywhere in the window.
+    let [mut row_number, mut column_number] = [state.row + 1, state.column + 1];
+    row(
+        ui,
+        "Point",
+        "Which point: its column from the left, and its row from the near edge.",
+        |ui, label| {
+            ui.add(
+                DragValue::new(&mut column_number)
+                    .range(1..=last_column + 1)
+                    .speed(0.05),
+            )
+            .labelled_by(label.id);
+            ui.add(
+                DragValue::new(&mut row_number)
+                    .range(1..=last_row + 1)
+                    .speed(0.05),
+            )
+            .labelled_by(label.id);
+        },
+    );
+    (state.row, state.column) = (row_number - 1, column_number - 1);
+    let Some(point) = net
+        .get_mut(state.row)
+        .and_then(|row| row.get_mut(state.column))
+    else {
+        return;
+    };
+    row(
+        ui,
+        "Place",
+        "Where the point is: along the weft, along the warp, and up.",
+        |ui, label| {
+            for value in point {
+                let range = -Form::FARTHEST_MM..=Form::FARTHEST_MM;
+                ui.add(
+                    DragValue::new(value)
+                        .range(range)
+                        .speed(0.5)
+                        .max_decimals(1),
+                )
+                .labelled_by(label.id);
+            }
+            ui.weak("mm");
+        },
+    );
+}

@@ -115,17 +115,6 @@ fn open_block(ray: Ray, place: vec2<i32>, t_from: f32, t_to: f32, part: u32) -> 
     );
 }
 
-// The same block for a point in it, relative to the block's first cell.
-fn block_at_point(block: Block, point: vec3<f32>) -> Block {
-    var here = block;
-    let quadrant = vec2<u32>(place_in_block(point.xy, 2.0) >= vec2<f32>(1.0));
-    here.passed = 1u << (scene.quadrants_shift + quadrant.x + 2u * quadrant.y);
-    here.front = vec2<f32>(steps_of(point.z, max(block.low, -scene.dip), block.high, 0.0));
-    here.back = vec2<f32>(steps_of(point.z, block.low, min(block.high, scene.dip), 0.0));
-    here.start = 0u;
-    return here;
-}
-
 // Whether the ray's part in the block may meet the loop of an entry.
 fn meets(block: Block, bits: u32) -> bool {
     let heights = bits >> scene.heights_shift;

@@ -185,22 +185,36 @@ fn march(ray: Ray, depth_to: f32, ground_from: f32, ends_with_ground: bool) -> M
         }
         let block = open_block(ray, walk.place, walk.t_enter, walk.t_exit, MEET_VOLUME);
         let count = block.entries_end - block.entries_start;
-        let met = met_in(ray, block, walk.t_enter, walk.t_exit).loops;
         marched.block = block;
-        var t = select(walk.t_exit, walk.t_enter, any(met != vec4<u32>()));
+        var stretch = Stretch(vec4<u32>(), 0u, ALL_ENTRIES, walk.t_enter, walk.t_enter, walk.t_enter);
+        var t = walk.t_enter;
+        var t_look = t;
         while t < walk.t_exit && cuts < MAX_CUTS && !marched.fell {
             cuts++;
+            if t >= stretch.next || t_look > stretch.next {
+                t_look = max(t_look, t);
+                stretch = stretch_from(ray, block, stretch.ahead, t, t_look, walk.t_exit);
+            }
             var cut = walk.t_exit;
             var inside = vec4<u32>();
-            for (var i = next_bit(met, 0u, count); i < count; i = next_bit(met, i + 1u, count)) {
+            for (var i = next_bit(stretch.around, 0u, count); i < count; i = next_bit(stretch.around, i + 1u, count)) {
                 let onward = onward_from(loop_line(ray, open_entry(block, block.entries_start + i)), t);
                 cut = min(cut, onward.cut);
                 if onward.inside {
                     inside = with_bit(inside, i);
                 }
             }
-            let pieces = select(0.0, ceil((cut - t) / slice.step), any(inside != vec4<u32>()));
-            let piece = (cut - t) / max(pieces, 1.0);
+            if !any(inside != vec4<u32>()) {
+                t = min(cut, stretch.next);
+                continue;
+            }
+            if cut > stretch.next {
+                // The loops that begin before it may cut as well.
+                t_look = cut;
+                continue;
+            }
+            let pieces = max(ceil((cut - t) / slice.step), 1.0);
+            let piece = (cut - t) / pieces;
             for (var k = 0.0; k < pieces; k += 1.0) {
                 let middle = t + (k + 0.5) * piece;
                 let extinction = extinction_at(ray, block, inside, middle);

@@ -1,5 +1,8 @@
 // Method `tracked` (MODEL.md §9): delta tracking (Woodcock 1965) through the summed densities of overlapping loops,
-// and ratio tracking (Novák et al. 2014) for shadow rays. Unbiased; a ray's part in each block has its own majorant.
+// and ratio tracking (Novák et al. 2014) for shadow rays. Unbiased.
+//
+// A ray's part in a block is cut into stretches. In one only the loops around it are looked at, where there are none nothing is
+// spent, and the majorant is that of as many loops as are around.
 
 // Densities at a point, summed over the loops of a block.
 struct Overlap {
@@ -28,18 +31,13 @@ struct Holder {
     at: vec3<f32>,
 }
 
-// The first loop from `start` on in a block's list that holds the point, of those that the ray may meet. A loop of its own,
-// like next_met.
-fn next_holder(block: Block, met: vec4<u32>, start: u32, point: vec3<f32>) -> Holder {
-    let count = block.entries_end - block.entries_start;
+// The first loop from `start` on in a block's list that holds the point, of those around. A loop of its own, like next_met.
+fn next_holder(block: Block, around: vec4<u32>, start: u32, point: vec3<f32>) -> Holder {
     var holder = Holder(start, 0u, vec3<f32>());
     for (; holder.entry < block.entries_end; holder.entry++) {
-        holder.entry = block.entries_start + next_bit(met, holder.entry - block.entries_start, count);
+        holder.entry = next_of(block, around, holder.entry);
         if holder.entry >= block.entries_end {
             break;
-        }
-        if !meets(block, block_entries[holder.entry]) {
-            continue;
         }
         if COUNTERS {
             count_patch_tests += 1u;
@@ -57,14 +55,13 @@ fn next_holder(block: Block, met: vec4<u32>, start: u32, point: vec3<f32>) -> Ho
 }
 
 // `point` is relative to the block's first cell.
-fn overlap_at(block_of_ray: Block, met: vec4<u32>, point: vec3<f32>, random: ptr<function, Pcg>) -> Overlap {
+fn overlap_at(block: Block, around: vec4<u32>, point: vec3<f32>, random: ptr<function, Pcg>) -> Overlap {
     var weights = 0.0;
     var rho_sum = 0.0;
     var result = Overlap(0.0, 0u, 0.0, vec3<f32>());
-    let block = block_at_point(block_of_ray, point);
     var start = block.entries_start;
     loop {
-        let holder = next_holder(block, met, start, point);
+        let holder = next_holder(block, around, start, point);
         if holder.entry >= block.entries_end {
             break;
         }
@@ -85,74 +82,80 @@ fn overlap_at(block_of_ray: Block, met: vec4<u32>, point: vec3<f32>, random: ptr
     return result;
 }
 
-// No extinction where a ray may meet so many loops is above this.
-fn majorant(met: u32) -> f32 {
-    return min(scene.max_density * min(f32(met), CROWDED), MAX_MAJORANT);
+// No extinction where a ray may be in so many loops is above this.
+fn majorant(count: u32) -> f32 {
+    return min(scene.max_density * min(f32(count), CROWDED), MAX_MAJORANT);
 }
 
 // A ray on its way from one tentative collision to the next.
 struct Flight {
     walk: Walk,
+    // Whether the walk's block has been opened.
+    begun: bool,
     block: Block,
-    // The loops that the ray may meet in this block.
-    met: vec4<u32>,
-    // Tentative collisions in a millimetre of this block.
+    stretch: Stretch,
+    // Tentative collisions in a millimetre of this stretch.
     rate: f32,
-    // The way that is left from the first of these loops to the last.
+    // The way that is left of it.
     t: f32,
     t_to: f32,
-}
-
-fn enter_block(ray: Ray, flight: ptr<function, Flight>) {
-    if COUNTERS {
-        count_cells += 1u;
-    }
-    let walk = (*flight).walk;
-    let block = open_block(ray, walk.place, walk.t_enter, walk.t_exit, MEET_VOLUME);
-    let met = met_in(ray, block, walk.t_enter, walk.t_exit);
-    (*flight).block = block;
-    (*flight).met = met.loops;
-    (*flight).rate = majorant(met.count);
-    (*flight).t = met.t_from;
-    (*flight).t_to = max(met.t_from, met.t_to);
 }
 
 fn take_off(ray: Ray) -> Flight {
     var flight: Flight;
     flight.walk = walk_begin(ray, scene.z_range, FAR);
-    if walk_goes_on(flight.walk) {
-        enter_block(ray, &flight);
-    }
+    flight.t = flight.walk.t_enter;
+    flight.t_to = flight.walk.t_enter;
     return flight;
 }
 
-// Moves on to the next tentative collision, through as many blocks as it takes; false where the ray leaves the cloth. A
-// loop of its own, so that neighbouring threads come together at the costly look into the loops.
+// Moves on to the next tentative collision, through as many stretches and blocks as it takes; false where the ray leaves the
+// cloth. A loop of its own, so that neighbouring threads come together at the costly look into the loops.
 fn fly(ray: Ray, flight: ptr<function, Flight>, random: ptr<function, Pcg>) -> bool {
     // 1 − random is in (0, 1], so the logarithm is finite.
     var depth = -log(1.0 - pcg_next(random));
     let limit = walk_limit();
     // Pointers to parts of a struct cannot be passed on in portable WGSL.
     var walk = (*flight).walk;
-    for (var n = 0u; n < limit && walk_goes_on(walk); n++) {
+    // In a block every stretch is farther on than the last.
+    for (var n = 0u; n < limit && walk_goes_on(walk);) {
         let depth_here = (*flight).rate * ((*flight).t_to - (*flight).t);
         if depth < depth_here {
             (*flight).t += depth / (*flight).rate;
             return true;
         }
         depth -= depth_here;
-        walk_step(ray, &walk);
-        (*flight).walk = walk;
-        if walk_goes_on(walk) {
-            enter_block(ray, flight);
+        var t = (*flight).stretch.next;
+        if !(*flight).begun || !(t < walk.t_exit) {
+            n++;
+            if (*flight).begun {
+                walk_step(ray, &walk);
+                (*flight).walk = walk;
+                if !walk_goes_on(walk) {
+                    break;
+                }
+            }
+            if COUNTERS {
+                count_cells += 1u;
+            }
+            (*flight).begun = true;
+            (*flight).block = open_block(ray, walk.place, walk.t_enter, walk.t_exit, MEET_VOLUME);
+            (*flight).stretch.ahead = ALL_ENTRIES;
+            t = walk.t_enter;
         }
+        let ahead = (*flight).stretch.ahead;
+        let stretch = stretch_from(ray, (*flight).block, ahead, t, t, walk.t_exit);
+        (*flight).stretch = stretch;
+        (*flight).rate = majorant(stretch.count);
+        (*flight).t = stretch.begin;
+        (*flight).t_to = max(stretch.begin, min(stretch.end, stretch.next));
     }
     return false;
 }
 
 fn overlap_on(ray: Ray, flight: Flight, random: ptr<function, Pcg>) -> Overlap {
     let point = origin_in_cell(ray, flight.block.place << vec2<u32>(scene.block_shift)) + flight.t * ray.direction;
-    return overlap_at(flight.block, flight.met, point, random);
+    return overlap_at(flight.block, flight.stretch.around, point, random);
 }
 
 // The next collision of a ray, or the ground yarn it meets, or nothing.

@@ -11,8 +11,8 @@ use crate::scene::{LoopLook, PileOptics, Section, Volumes};
 pub(super) struct VoxelTable {
     /// ρ of a voxel and of its neighbours along u, along v, and along both, 255 = 1; clamped at the borders.
     quads: Vec<[u8; 4]>,
-    /// For each volume and each (l, b, a) from 0 to layers, side and side: how many of the voxels before it along all three
-    /// axes are not empty.
+    /// Of sparse volumes, for each and each (l, b, a) from 0 to layers, side and side: how many of the voxels before it along
+    /// all three axes are not empty. Nobody looks where others are empty.
     full_before: Vec<u32>,
     /// Voxels along u and along v.
     side: usize,
@@ -45,9 +45,13 @@ impl VoxelTable {
             let up = side * usize::from(b + 1 < side);
             [index, index + right, index + up, index + right + up].map(|k| volumes.voxels[k][0])
         };
+        let looked_into = match is_sparse(&volumes.voxels) {
+            true => &volumes.voxels[..],
+            false => &[],
+        };
         Self {
             quads: (0..volumes.voxels.len()).map(quad).collect(),
-            full_before: (volumes.voxels.chunks(volume))
+            full_before: (looked_into.chunks(volume))
                 .flat_map(|voxels| full_before(voxels, [side, side, layers]))
                 .collect(),
             side,
@@ -75,12 +79,9 @@ impl VoxelTable {
         }
     }
 
-    /// Whether long ways through a loop's frame are mostly air: less than a tenth of the voxels of fur and grass are not empty,
-    /// but 0.2 of those of shag and more of terry's.
+    /// Whether long ways through a loop's frame are mostly air, and it may be asked where.
     pub fn is_sparse(&self) -> bool {
-        let voxels = &self.volumes.voxels;
-        let full = voxels.iter().filter(|voxel| voxel[0] > 0).count();
-        10 * full < voxels.len()
+        !self.full_before.is_empty()
     }
 
     pub fn layers(&self) -> usize {
@@ -91,6 +92,12 @@ impl VoxelTable {
     pub fn bytes(&self) -> u64 {
         (size_of_val(&*self.quads) + size_of_val(&*self.full_before)) as u64
     }
+}
+
+/// Less than a tenth of the voxels of fur and grass are not empty, but 0.2 of those of shag and more of terry's.
+fn is_sparse(voxels: &[[u8; 2]]) -> bool {
+    let full = voxels.iter().filter(|voxel| voxel[0] > 0).count();
+    10 * full < voxels.len()
 }
 
 /// [`VoxelTable::full_before`] of a volume: its voxels summed up along each axis in turn.
@@ -124,7 +131,7 @@ impl Yarn<'_> {
         self.volume * self.table.layers * self.table.side * self.table.side
     }
 
-    /// Whether ρ is 0 everywhere from the lowest to the highest u, v and w.
+    /// Whether ρ is 0 everywhere from the lowest to the highest u, v and w, of a sparse volume.
     #[inline(always)]
     pub fn is_empty(&self, u: [f32; 2], v: [f32; 2], w: [f32; 2]) -> bool {
         let table = self.table;

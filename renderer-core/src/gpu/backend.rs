@@ -397,9 +397,11 @@ impl Backend for GpuBackend {
             let buffer_end = |place| accumulation.buffer_of(place).1;
             let settings = &work.request.settings;
             let samples = work.schedule.samples();
-            // Samples that learn shadows from each other come one by one.
+            // Samples that learn shadows from each other come one by one. On software Vulkan all do: Mesa's ends the loops
+            // of a thread, whatever they are about, once they have made 65 536 turns together.
             let caches = self.shadows.as_ref();
-            let most = if caches.is_some() && settings.caches_shadows(samples) {
+            let learns = caches.is_some() && settings.caches_shadows(samples);
+            let most = if learns || self.context.is_software() {
                 samples + 1
             } else {
                 settings.samples

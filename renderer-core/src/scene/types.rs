@@ -220,6 +220,20 @@ pub struct SunLight {
     pub irradiance: [f64; 3],
 }
 
+/// A rectangle that shines on the side that it faces the middle of the cloth with. The whole cloth is on that side, so that
+/// nothing behind it is in the way of a ray to it. World space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AreaLight {
+    /// Its middle, mm.
+    pub centre: [f64; 3],
+    /// From its middle to the middles of two neighbouring sides, mm; perpendicular.
+    pub half_sides: [[f64; 3]; 2],
+    /// Unit vector from its middle towards the cloth's.
+    pub facing: [f64; 3],
+    /// Radiance times area, mm²: irradiance far away along `facing` is this over the distance squared. Linear RGB.
+    pub intensity: [f64; 3],
+}
+
 /// How light from all around varies with direction, as a factor for each channel. World space: +z is the cloth's front
 /// normal.
 #[derive(Debug, Clone, PartialEq)]
@@ -257,6 +271,8 @@ impl Sky {
 pub struct Lights {
     /// Suns, at most 8.
     pub suns: Vec<SunLight>,
+    /// Area lights, at most 4.
+    pub areas: Vec<AreaLight>,
     /// Radiance of the environment where `sky` is 1, linear RGB.
     pub environment: [f64; 3],
     /// How the environment varies with direction: a factor on its radiance.

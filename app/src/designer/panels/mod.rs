@@ -121,7 +121,7 @@ impl Panels {
                     3 => pile::show(ui, &mut self.pile, design, around),
                     4 => turbulence::show(ui, &mut self.turbulence, design, around),
                     5 => skeleton::show(ui, &mut design.skeleton),
-                    6 => light::show(ui, &mut self.light, &mut design.light, around),
+                    6 => light::show(ui, &mut self.light, design, around),
                     _ => view_quality::show(ui, design, around),
                 });
                 if is_open != was_open {

@@ -141,6 +141,17 @@ fn turn_at(at: Scatter) -> Turn {
     return turn_of(tet_map(place.facet, place.order));
 }
 
+// The world position of a scattering point.
+fn world_point(at: Scatter) -> vec3<f32> {
+    if BENT {
+        let place = cloth_place(at.cell, at.point);
+        let map = tet_map(place.facet, place.order);
+        return map.origin + map.x * place.shares.x + map.y * place.shares.y + map.z * place.shares.z;
+    }
+    let cell = vec2<f32>(at.cell) + 0.5 - 0.5 * vec2<f32>(scene.sheet);
+    return at.point + vec3<f32>(cell * scene.pitch, 0.0);
+}
+
 fn world_from_sheet(turn: Turn, direction: vec3<f32>) -> vec3<f32> {
     if !BENT {
         return direction;

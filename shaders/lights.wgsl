@@ -1,4 +1,4 @@
-// Lights (MODEL.md §8): suns as discs, and an environment that is constant, a gradient or a picture.
+// Lights (MODEL.md §8): suns as discs, area lights, and an environment that is constant, a gradient or a picture.
 
 // A direction in the sun's disc, uniform over its solid angle.
 fn sun_direction(sun: Sun, u: vec2<f32>) -> vec3<f32> {
@@ -9,6 +9,31 @@ fn sun_direction(sun: Sun, u: vec2<f32>) -> vec3<f32> {
     let centre = sun.direction.xyz;
     let direction = disc.x * basis_x(centre) + disc.y * basis_y(centre) + (1.0 - fall) * centre;
     return direction * inverseSqrt(max(dot(direction, direction), 1.0e-30));
+}
+
+// A light seen from a point: unit direction, and irradiance on a plane that faces it.
+struct FromLight {
+    direction: vec3<f32>,
+    irradiance: vec3<f32>,
+}
+
+// From a place of an area light, uniform over its area, to a point in world space: radiance times dA·cos/r².
+fn from_area(area: AreaLight, point: vec3<f32>, u: vec2<f32>) -> FromLight {
+    let side = 2.0 * u - 1.0;
+    let place = area.centre.xyz + side.x * area.half_width.xyz + side.y * area.half_height.xyz;
+    let way = place - point;
+    let squared = max(dot(way, way), 1.0e-12);
+    let direction = way * inverseSqrt(squared);
+    let cosine = max(-dot(area.facing.xyz, direction), 0.0);
+    return FromLight(direction, area.intensity.xyz * (cosine / squared));
+}
+
+// From a sun or, after those, an area light.
+fn from_lamp(number: u32, at: Scatter, u: vec2<f32>) -> FromLight {
+    if AREA_COUNT > 0u && number >= SUN_COUNT {
+        return from_area(scene.areas[number - SUN_COUNT], world_point(at), u);
+    }
+    return FromLight(sun_direction(scene.suns[number], u), scene.suns[number].irradiance.xyz);
 }
 
 fn sky_gradient(up: f32) -> vec3<f32> {

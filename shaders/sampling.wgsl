@@ -64,6 +64,7 @@ fn unit_float(bits: u32) -> f32 {
 const SET_FILM: u32 = 0u;
 const SET_ENVIRONMENT: u32 = 8u;
 const SET_ONWARD: u32 = 9u;
+const SET_FIRST_AREA: u32 = 10u;
 fn set_at(bounce: u32, purpose: u32) -> u32 {
     return 16u * bounce + purpose;
 }

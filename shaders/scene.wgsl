@@ -8,6 +8,19 @@ struct Sun {
     irradiance: vec4<f32>,
 }
 
+// A rectangle that shines on the side where the cloth is.
+struct AreaLight {
+    // Its middle, world space; w unused.
+    centre: vec4<f32>,
+    // From there to the middles of two neighbouring sides; w unused.
+    half_width: vec4<f32>,
+    half_height: vec4<f32>,
+    // Unit vector to where it shines; w unused.
+    facing: vec4<f32>,
+    // Radiance times area; w unused.
+    intensity: vec4<f32>,
+}
+
 struct Material {
     // Extinction of solid yarn, 1/mm.
     density: f32,
@@ -96,6 +109,7 @@ struct SceneConstants {
     // Radiance seen where there is no cloth; w unused.
     background: vec4<f32>,
     suns: array<Sun, MAX_SUNS>,
+    areas: array<AreaLight, MAX_AREAS>,
     materials: array<Material, MAX_MATERIALS>,
 }
 

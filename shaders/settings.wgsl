@@ -29,6 +29,7 @@ const TILE_PIXELS: u32 = 256u;
 // Threads of a workgroup, in every entry point.
 const WORKGROUP: u32 = 64u;
 const MAX_SUNS: u32 = 8u;
+const MAX_AREAS: u32 = 4u;
 const MAX_MATERIALS: u32 = 65u;
 // Intervals of the table of N_p over [0, π/2].
 const HIGHLIGHT_INTERVALS: u32 = 256u;
@@ -69,6 +70,7 @@ override SKELETON: u32 = 1u;
 // How ground yarns scatter: SHADING_*.
 override SHADING: u32 = 0u;
 override SUN_COUNT: u32 = 1u;
+override AREA_COUNT: u32 = 0u;
 // The environment gives light.
 override ENVIRONMENT: bool = true;
 // Rays towards lights are followed; else nothing is in their way.

@@ -82,7 +82,8 @@ fn lit(at: Scatter, turn: Turn, towards_eye: vec3<f32>, bounce: u32, seed: u32, 
     // `tracked`, and later scatterings, meet the environment where a path escapes.
     let closing = CLOSING && bounce == slice.closing_bounce;
     let sky = ENVIRONMENT && (closing || (METHOD != METHOD_TRACKED && bounce == 1u));
-    let lights = SUN_COUNT + u32(sky);
+    let lamps = SUN_COUNT + AREA_COUNT;
+    let lights = lamps + u32(sky);
     let cached = CACHED_SHADOWS && sample < slice.cached_shadows;
     var entry = 0u;
     if cached {
@@ -90,16 +91,18 @@ fn lit(at: Scatter, turn: Turn, towards_eye: vec3<f32>, bounce: u32, seed: u32, 
     }
     // The environment is the last light: one body for all, since everything here is inlined.
     for (var i = 0u; i < lights; i++) {
-        let is_sun = i < SUN_COUNT;
-        let u = sample_set(seed, sample, set_at(bounce, select(SET_ENVIRONMENT, i, is_sun))).xyz;
+        let is_lamp = i < lamps;
+        let lamp_set = select(SET_FIRST_AREA + i - SUN_COUNT, i, i < SUN_COUNT);
+        let u = sample_set(seed, sample, set_at(bounce, select(SET_ENVIRONMENT, lamp_set, is_lamp))).xyz;
         var towards_light: vec3<f32>;
         // By the light itself, and by bounced light that comes evenly from all sides.
         var share: vec3<f32>;
         var even_share: vec3<f32>;
-        if is_sun {
-            towards_light = sheet_from_world(turn, sun_direction(scene.suns[i], u.xy));
-            share = scattered(at, towards_eye, towards_light) * scene.suns[i].irradiance.xyz;
-            even_share = at.albedo * scene.suns[i].irradiance.xyz * (0.25 / PI);
+        if is_lamp {
+            let light = from_lamp(i, at, u.xy);
+            towards_light = sheet_from_world(turn, light.direction);
+            share = scattered(at, towards_eye, towards_light) * light.irradiance;
+            even_share = at.albedo * light.irradiance * (0.25 / PI);
         } else {
             let drawn = draw_sky_direction(at, towards_eye, u);
             towards_light = drawn.direction;

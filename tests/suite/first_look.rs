@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use renderer_core::design::{CameraDesign, Design, Method, Sun};
+use renderer_core::design::{AreaLight, CameraDesign, Design, Method, Sun};
 use renderer_core::reference::{Scratch, Tracer};
 use renderer_core::render::accumulation::Sample;
 use renderer_core::render::{Camera, FirstLook, RenderRequest, Settings};
@@ -144,9 +144,22 @@ fn a_first_look_is_the_whole_scenes_coarse_picture_to_the_bit() {
 }
 
 #[test]
-fn loops_that_only_suns_see_belong_to_a_first_look() {
-    let mut design = towel();
-    design.light.sun = vec![
+fn loops_that_only_lights_see_belong_to_a_first_look() {
+    let mut by_areas = towel();
+    by_areas.light.sun.clear();
+    // One low at the side, that reaches down past the cloth; one below.
+    by_areas.light.area = [(5.0, 200.0, 300.0), (-35.0, 70.0, 2000.0)]
+        .map(|(elevation, azimuth, distance)| AreaLight {
+            elevation,
+            azimuth,
+            distance,
+            width: 60.0,
+            height: 100.0,
+            ..AreaLight::default()
+        })
+        .to_vec();
+    let mut by_suns = towel();
+    by_suns.light.sun = vec![
         Sun {
             elevation: 12.0,
             azimuth: 200.0,
@@ -159,11 +172,17 @@ fn loops_that_only_suns_see_belong_to_a_first_look() {
             ..Sun::default()
         },
     ];
+    for design in [by_suns, by_areas] {
+        lights_are_followed(&design);
+    }
+}
+
+fn lights_are_followed(design: &Design) {
     let (view, camera) = cameras().swap_remove(1);
-    let ([whole, part], share) = both(&design, &camera, [640, 480], 0.0);
+    let ([whole, part], share) = both(design, &camera, [640, 480], 0.0);
     assert!(whole == part, "{view}");
     assert!(share < 0.9, "{share}");
-    // Without the suns' ways it is another picture: the test can tell.
+    // Without the lights' ways it is another picture: the test can tell.
     let mut dark = design.clone();
     dark.quality.shadows = false;
     let camera = Camera::from_design(&camera);
@@ -177,11 +196,11 @@ fn loops_that_only_suns_see_belong_to_a_first_look() {
     }
     .cells();
     let made =
-        Compiler::default().compile_seen(&design, &seen, &renderer_core::scene::Cancel::never());
+        Compiler::default().compile_seen(design, &seen, &renderer_core::scene::Cancel::never());
     let SeenScene::Part(bare) = made.unwrap() else {
         panic!("there was no scene before");
     };
-    assert!(coarse(&bare, &design, &camera, [640, 480]) != whole);
+    assert!(coarse(&bare, design, &camera, [640, 480]) != whole);
 }
 
 #[test]

@@ -65,6 +65,11 @@ fn every_field_survives_writing_and_reading() {
     design.pile.phase = Phase::KajiyaKay;
     design.turbulence.seed = u32::MAX;
     design.light.sun.clear();
+    design.light.area = vec![AreaLight {
+        elevation: -12.5,
+        colour: Colour([1, 2, 3]),
+        ..AreaLight::default()
+    }];
     design.light.environment.kind = EnvironmentKind::Image;
     design.light.environment.image = Some("../skies/noon #2.hdr".into());
     design.light.environment.rotation = -12.5;
@@ -258,6 +263,12 @@ fn set_changes_the_field_it_names_and_no_other() {
         d.light.sun[0].elevation = -7.5;
     });
     check("light.sun", "[]", &|d| d.light.sun.clear());
+    check("light.area", "[{ distance = 500 }]", &|d| {
+        d.light.area = vec![AreaLight {
+            distance: 500.0,
+            ..AreaLight::default()
+        }];
+    });
     check("light.environment.radiance", "2", &|d| {
         d.light.environment.radiance = 2.0;
     });
@@ -478,6 +489,7 @@ fn reference() -> String {
     // A design in which every list has an element to take defaults from.
     let mut design = Design::default();
     design.length.table.push(LengthEntry::default());
+    design.light.area.push(AreaLight::default());
     let defaults = toml::Table::try_from(&design).unwrap();
     let Shape::Table(sections) = Design::shape() else {
         panic!("a design is a table");

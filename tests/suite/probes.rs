@@ -215,7 +215,7 @@ fn slopes_and_inversion_are_those_of_the_frame() {
 #[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
 #[repr(C)]
 struct SampleAnswer {
-    sets: [[[u32; 4]; 3]; 4],
+    sets: [[[u32; 4]; 3]; 5],
     free_paths: [u32; 4],
 }
 
@@ -248,6 +248,10 @@ fn random_numbers_are_equal_to_the_bit() {
             },
             Set::Environment { bounce },
             Set::Onward { bounce },
+            Set::Area {
+                bounce,
+                area: sample % 4,
+            },
         ];
         let mut generator = Pcg::new(pixel, sample);
         let mut next = || generator.next_float().to_bits();

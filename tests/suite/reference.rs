@@ -1,5 +1,6 @@
 //! The reference renderer against brute force, quadrature and closed forms; its backends.
 
+mod areas;
 mod backends;
 mod cloth;
 mod compositing;

@@ -261,6 +261,7 @@ fn sets_pixels_and_scrambles_are_independent() {
         Set::Film,
         Set::Sun { bounce: 1, sun: 0 },
         Set::Sun { bounce: 1, sun: 1 },
+        Set::Area { bounce: 1, area: 0 },
         Set::Environment { bounce: 1 },
         Set::Onward { bounce: 1 },
         Set::Sun { bounce: 2, sun: 0 },
@@ -270,6 +271,7 @@ fn sets_pixels_and_scrambles_are_independent() {
         .flat_map(|bounce| {
             (0..8)
                 .map(move |sun| Set::Sun { bounce, sun })
+                .chain((0..4).map(move |area| Set::Area { bounce, area }))
                 .chain([Set::Environment { bounce }, Set::Onward { bounce }])
         })
         .chain([Set::Film])

@@ -1,7 +1,8 @@
 //! Which sections of a scene an edit changes, and that nothing non-finite leaves compile.
 
 use renderer_core::design::{
-    ChartImage, Colour, Design, Fit, LengthEntry, LengthMap, Numbers, Pattern, PileKind, preset,
+    AreaLight, ChartImage, Colour, Design, Fit, LengthEntry, LengthMap, Numbers, Pattern, PileKind,
+    preset,
 };
 use renderer_core::sampling::Pcg;
 use renderer_core::scene::{CompileError, Compiler, SECTIONS, Scene, compile};
@@ -12,6 +13,7 @@ fn small() -> Design {
     (design.pile.layers, design.pile.resolution) = (2, 6);
     (design.pile.variants, design.pile.fibres) = (2, 10);
     (design.sheet.warps, design.sheet.wefts) = (12, 10);
+    design.light.area = vec![AreaLight::default()];
     design
 }
 
@@ -36,7 +38,7 @@ fn changed_by(base: &Design, edit: impl FnOnce(&mut Design)) -> Vec<&'static str
 
 /// Every number of the design: its path, a value that differs, and the sections that must change.
 fn every_number(design: &Design) -> Vec<(String, f64, &'static [&'static str])> {
-    let sections: [(&str, &dyn Numbers); 10] = [
+    let sections: [(&str, &dyn Numbers); 11] = [
         ("sheet", &design.sheet),
         ("chart", &design.chart),
         ("length", &design.length),
@@ -44,6 +46,7 @@ fn every_number(design: &Design) -> Vec<(String, f64, &'static [&'static str])> 
         ("turbulence", &design.turbulence),
         ("skeleton", &design.skeleton),
         ("light.sun[0]", &design.light.sun[0]),
+        ("light.area[0]", &design.light.area[0]),
         ("light.environment", &design.light.environment),
         ("view", &design.view),
         ("quality", &design.quality),
@@ -81,7 +84,7 @@ fn every_number(design: &Design) -> Vec<(String, f64, &'static [&'static str])> 
                 ("skeleton", _) => &["loops", "skeleton"],
                 // The light is constant.
                 ("light.environment", "rotation") => &[],
-                ("light.sun[0]" | "light.environment", _) => &["lights"],
+                ("light.sun[0]" | "light.area[0]" | "light.environment", _) => &["lights"],
                 // How much of the light comes back decides how bright fibres must be for a colour.
                 ("quality", "bounces") => &["looks"],
                 // View and the rest of quality belong to the request.
@@ -274,6 +277,13 @@ fn assert_finite(scene: &Scene, what: &str) {
             .chain(lights.environment)
             .all(f64::is_finite)
     );
+    assert!(lights.areas.iter().all(|area| {
+        let [x, y] = area.half_sides;
+        [area.centre, x, y, area.facing, area.intensity]
+            .iter()
+            .flatten()
+            .all(|value| value.is_finite())
+    }));
 }
 
 #[test]
@@ -288,6 +298,7 @@ fn everything_is_finite_at_the_ends_of_all_ranges() {
             ("turbulence", &small().turbulence),
             ("skeleton", &small().skeleton),
             ("light.sun[0]", &small().light.sun[0]),
+            ("light.area[0]", &small().light.area[0]),
         ] {
             for (field, default) in numbers.numbers() {
                 // Volumes are large at their ends, and are tested on their own.
@@ -314,7 +325,9 @@ fn everything_is_finite_at_the_ends_of_all_ranges() {
                 // Only relations can be violated here.
                 let text = error.to_string();
                 assert!(
-                    text.contains("max_length") || text.contains("length.m"),
+                    text.contains("max_length")
+                        || text.contains("length.m")
+                        || text.contains("light.area[0].distance"),
                     "{text}"
                 );
             }

@@ -65,6 +65,7 @@ fn all_needs() -> Vec<SceneNeeds> {
                         layers: if on(1) { 16 } else { 5 },
                         root_blend: on(2),
                         suns: if on(3) { 8 } else { 0 },
+                        areas: if on(3) == on(2) { 4 } else { 0 },
                         environment: on(4),
                         shadows: on(4) == on(6),
                         closing: on(5),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use renderer_core::cpu::CpuBackend;
-use renderer_core::design::{Colour, Design, Method};
+use renderer_core::design::{AreaLight, Colour, Design, Method};
 use renderer_core::image::{Picture, metrics};
 use renderer_core::render::shadow_cache::{ShadowGrid, TEXEL_PX};
 use renderer_core::render::{Backend, Camera, Counters, Projection, RenderRequest};
@@ -145,6 +145,29 @@ fn known_shadows_save_rays_and_leave_the_mean() {
         let (plain, all) = draw(&mut cpu, &towel(method, bounces, 16, 0));
         let (shared, some) = draw(&mut cpu, &towel(method, bounces, 16, 16));
         assert_eq!(all.cached_rays, 0);
+        // Light from a near rectangle is shared as a sun's is: each texel learns its own.
+        let lit = |cached| {
+            let mut design = small_towel();
+            design.light.sun.clear();
+            design.light.area = vec![AreaLight {
+                distance: 20.0,
+                width: 12.0,
+                height: 12.0,
+                irradiance: 3.0,
+                ..AreaLight::default()
+            }];
+            (design.quality.method, design.quality.samples) = (method, 16);
+            design.quality.bounces = bounces;
+            design.quality.traced_bounces = u32::from(bounces > 1);
+            design.quality.cached_shadows = cached;
+            with_counters(&design)
+        };
+        let [(apart, _), (together, few)] = [0, 16].map(|cached| draw(&mut cpu, &lit(cached)));
+        assert!(few.cached_rays > 10_000, "{name}: {few:?}");
+        let brightness = metrics::mean(&together) / metrics::mean(&apart) - 1.0;
+        eprintln!("{name}: area light, mean {brightness:+.4}");
+        assert!(brightness.abs() < 0.008, "{name}: {brightness}");
+
         let asked = some.shadow_rays + some.cached_rays;
         let share = some.cached_rays as f64 / asked as f64;
         let brightness = metrics::mean(&shared) / metrics::mean(&plain) - 1.0;

@@ -80,16 +80,16 @@ fn probe_samples(@builtin(global_invocation_id) id: vec3<u32>) {
     let probe = sample_probes[id.x];
     let seed = pixel_seed(probe.w, probe.xy);
     let sample = probe.z;
-    for (var k = 0u; k < 4u; k++) {
-        // Film, a sun, environment and onward of a bounce that differs from probe to probe.
+    for (var k = 0u; k < 5u; k++) {
+        // Film, a sun, environment, onward and an area light of a bounce that differs from probe to probe.
         let bounce = 1u + sample % 64u;
-        let purpose = array<u32, 4>(0u, sample % 8u, SET_ENVIRONMENT, SET_ONWARD)[k];
+        let purpose = array<u32, 5>(0u, sample % 8u, SET_ENVIRONMENT, SET_ONWARD, SET_FIRST_AREA + sample % 4u)[k];
         let set_number = select(set_at(bounce, purpose), SET_FILM, k == 0u);
-        sample_answers[13u * id.x + 3u * k] = owen_bits(seed, sample, set_number);
-        sample_answers[13u * id.x + 3u * k + 1u] = bitcast<vec4<u32>>(sample_set(seed, sample, set_number));
-        sample_answers[13u * id.x + 3u * k + 2u] = random_bits(seed, sample, set_number);
+        sample_answers[16u * id.x + 3u * k] = owen_bits(seed, sample, set_number);
+        sample_answers[16u * id.x + 3u * k + 1u] = bitcast<vec4<u32>>(sample_set(seed, sample, set_number));
+        sample_answers[16u * id.x + 3u * k + 2u] = random_bits(seed, sample, set_number);
     }
     var random = pcg_new(seed, sample);
     let numbers = vec4<f32>(pcg_next(&random), pcg_next(&random), pcg_next(&random), 0.0);
-    sample_answers[13u * id.x + 12u] = bitcast<vec4<u32>>(numbers);
+    sample_answers[16u * id.x + 15u] = bitcast<vec4<u32>>(numbers);
 }

@@ -137,6 +137,12 @@ fn light(before: &Design, after: &Design) -> Option<String> {
             suns.find_map(|(a, b)| numbers("sun", a, b))
         })
         .or_else(|| other(a.sun != b.sun, "sun colour"))
+        .or_else(|| list("area light", a.area.len(), b.area.len()))
+        .or_else(|| {
+            let mut areas = a.area.iter().zip(&b.area);
+            areas.find_map(|(a, b)| numbers("area light", a, b))
+        })
+        .or_else(|| other(a.area != b.area, "area light colour"))
         .or_else(|| {
             let (a, b) = (&a.environment, &b.environment);
             other(

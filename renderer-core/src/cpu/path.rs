@@ -13,9 +13,9 @@ use super::lanes::Lanes;
 use super::{Scratch, Tracer};
 use crate::design::Method;
 use crate::geometry::Ray;
-use crate::optics::{Seen, Vertex, bounced, environment_radiance};
+use crate::optics::{Lamp, Seen, Vertex, bounced, environment_radiance};
 use crate::render::accumulation::{FirstHit, Sample};
-use crate::sampling::{self, Pcg, Set, directions};
+use crate::sampling::{self, Pcg, Set};
 
 /// The scattering from which on a path may end by Russian roulette: earlier ones carry most of the picture.
 const ROULETTE_FROM: u32 = 3;
@@ -149,7 +149,7 @@ impl<'a> PathTracer<'a> {
         Sample { radiance, first }
     }
 
-    /// Light scattered towards `view`, but for the albedo: of the suns, and of the environment if it is to be seen.
+    /// Light scattered towards `view`, but for the albedo: of lamps, and of the environment if it is to be seen.
     #[inline(always)]
     fn light<L: Lanes>(&mut self, vertex: &Vertex, view: DVec3, gather: Gather) -> DVec3 {
         let tracer = self.tracer;
@@ -160,26 +160,21 @@ impl<'a> PathTracer<'a> {
             orders,
             ..
         } = gather;
-        let suns = lights.suns.len();
+        let lamps = lights.lamps();
+        let point = tracer.cloth.scene.lit_point(vertex.position);
         let mut sum = DVec3::ZERO;
         let cache = tracer.shadow_cache(self.number).map(|cache| {
             let random = [(); 3].map(|()| f64::from(self.pcg.next_float()));
             (cache, cache.key().grid.entry(vertex.position, random))
         });
         // One place for all shadow rays, since everything they do is inlined.
-        for number in 0..suns + usize::from(gather.sees_sky) {
-            let sun = lights.suns.get(number);
+        for number in 0..lamps + usize::from(gather.sees_sky) {
+            let lamp = Lamp::of(lights, number, bounce);
             // The light's radiance times the phase over the direction's density, and its mean over all directions.
-            let (direction, scattered, unhindered) = if let Some(sun) = sun {
-                let set = Set::Sun {
-                    bounce,
-                    sun: number as u32,
-                };
+            let (direction, scattered, unhindered) = if let Some((lamp, set)) = lamp {
                 let [u, v, ..] = self.random(set);
-                let centre = DVec3::from_array(sun.direction);
-                let direction =
-                    vertex.sheet_direction(directions::cone(centre, sun.angular_radius, u, v));
-                let irradiance = DVec3::from_array(sun.irradiance);
+                let (world, irradiance) = lamp.towards(point, [u, v]);
+                let direction = vertex.sheet_direction(world);
                 let value = tracer.cloth.optics.value(vertex.lobe, view, direction);
                 (
                     direction,

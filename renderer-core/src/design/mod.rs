@@ -162,6 +162,40 @@ impl Design {
                 "at most the sheet's larger side in cells".into(),
             );
         }
+        self.push_area_faults(faults);
+    }
+
+    /// Faults of area lights that stand in the cloth: what lies behind one would be in the way of rays to it.
+    fn push_area_faults(&self, faults: &mut Vec<Fault>) {
+        for (index, area) in self.light.area.iter().enumerate() {
+            let nearest = self.nearest_area_mm(area.azimuth, area.elevation);
+            if area.distance < nearest {
+                faults.push(Fault {
+                    path: format!("light.area[{index}].distance"),
+                    value: area.distance.to_string(),
+                    allowed: format!(
+                        "at least {nearest} mm from azimuth {}° and elevation {}°, so that the whole cloth is before the light",
+                        area.azimuth, area.elevation
+                    ),
+                });
+            }
+        }
+    }
+
+    /// The least distance at which an area light in that direction (degrees) has the whole cloth before it, whole mm.
+    pub fn nearest_area_mm(&self, azimuth: f64, elevation: f64) -> f64 {
+        let skeleton = &self.skeleton;
+        let ground = skeleton.warp_radius.max(skeleton.weft_radius) + skeleton.crimp;
+        let reach = self.reach_mm();
+        let half_sides = [
+            0.5 * f64::from(self.sheet.warps) * self.sheet.pitch_x(),
+            0.5 * f64::from(self.sheet.wefts) * self.sheet.pitch_y(),
+        ];
+        let across = elevation.to_radians().cos().abs();
+        let (sine, cosine) = azimuth.to_radians().sin_cos();
+        let along = (half_sides[0] + reach) * cosine.abs() + (half_sides[1] + reach) * sine.abs();
+        let up = (reach + ground) * elevation.to_radians().sin().abs();
+        (along * across + up).ceil()
     }
 
     /// The paths of the images that the design names, which files write relative to themselves.

@@ -696,6 +696,30 @@ section! {
     }
 }
 
+section! {
+    /// A softbox or a window: a rectangle that faces the cloth's middle and shines on that side. Cameras do not see it.
+    AreaLight, AreaLightFields {
+        numbers {
+            /// Direction of its middle about the cloth's normal: 0° is +x (weft), 90° is +y (warp).
+            azimuth: f64 = 130.0, -360.0..=360.0, "°";
+            /// Height of its middle over the cloth's plane.
+            elevation: f64 = 50.0, -90.0..=90.0, "°";
+            /// From the cloth's middle to its own. The whole cloth has to be on the side that it shines on.
+            distance: f64 = 1000.0, 10.0..=100_000.0, "mm";
+            /// Its level side; larger gives softer shadows.
+            width: f64 = 800.0, 1.0..=100_000.0, "mm";
+            /// Its other side.
+            height: f64 = 800.0, 1.0..=100_000.0, "mm";
+            /// Light that falls on a plane that faces it in the cloth's middle; π lights white paper to 1.
+            irradiance: f64 = 1.5, 0.0..=1000.0, "";
+        }
+        others {
+            /// Colour of the light.
+            colour: Colour = Colour::WHITE;
+        }
+    }
+}
+
 choice! {
     /// Light from all around.
     EnvironmentKind {
@@ -745,6 +769,9 @@ section! {
         others {
             /// Suns; none leaves the environment alone.
             sun: Vec<Sun> = vec![Sun::default()];
+            /// Softboxes and windows.
+            #[serde(skip_serializing_if = "Vec::is_empty")]
+            area: Vec<AreaLight> = Vec::new();
             /// Light from all around.
             environment: Environment = Environment::default();
             /// Colour seen where there is no cloth; it gives no light.
@@ -756,6 +783,8 @@ section! {
 impl Light {
     /// Most suns.
     pub const MAX_SUNS: usize = 8;
+    /// Most area lights.
+    pub const MAX_AREAS: usize = 4;
 
     pub(super) fn push_faults(&self, faults: &mut Vec<Fault>) {
         for (index, sun) in self.sun.iter().enumerate() {
@@ -767,6 +796,16 @@ impl Light {
                 path: "light.sun".into(),
                 value: format!("{} suns", self.sun.len()),
                 allowed,
+            });
+        }
+        for (index, area) in self.area.iter().enumerate() {
+            area.push_range_faults(&format!("light.area[{index}]"), faults);
+        }
+        if self.area.len() > Self::MAX_AREAS {
+            faults.push(Fault {
+                path: "light.area".into(),
+                value: format!("{} area lights", self.area.len()),
+                allowed: format!("at most {} area lights", Self::MAX_AREAS),
             });
         }
         let environment = &self.environment;

@@ -88,6 +88,8 @@ constants! {
     WORKGROUP = 64;
     /// Most suns.
     MAX_SUNS = 8;
+    /// Most area lights.
+    MAX_AREAS = 4;
     /// Most materials.
     MAX_MATERIALS = 65;
     /// Intervals of the table of N_p.
@@ -155,6 +157,20 @@ mirrors! {
         direction: [f32; 4],
         /// Irradiance; unused.
         irradiance: [f32; 4],
+    }
+
+    /// An area light.
+    struct AreaLight {
+        /// Its middle, mm; unused.
+        centre: [f32; 4],
+        /// From there to the middle of a side, mm; unused.
+        half_width: [f32; 4],
+        /// The same for a neighbouring side.
+        half_height: [f32; 4],
+        /// Unit vector to where it shines; unused.
+        facing: [f32; 4],
+        /// Radiance times area, mm²; unused.
+        intensity: [f32; 4],
     }
 
     /// A kind of yarn.
@@ -259,6 +275,8 @@ mirrors! {
         background: [f32; 4],
         /// All suns.
         suns: [Sun; MAX_SUNS as usize],
+        /// All area lights.
+        areas: [AreaLight; MAX_AREAS as usize],
         /// All materials.
         materials: [Material; MAX_MATERIALS as usize],
     }

@@ -29,6 +29,8 @@ pub struct SceneNeeds {
     pub shading: SkeletonShading,
     /// Number of suns.
     pub suns: u32,
+    /// Number of area lights.
+    pub areas: u32,
     /// The environment gives light.
     pub environment: bool,
     /// Rays towards lights are followed.
@@ -73,6 +75,11 @@ impl SceneNeeds {
                 layout::MAX_SUNS
             } else {
                 scene.lights.suns.len() as u32
+            },
+            areas: if every {
+                layout::MAX_AREAS
+            } else {
+                scene.lights.areas.len() as u32
             },
             shadows: settings.shadows,
             owen: settings.sampler == Sampler::Owen,
@@ -129,6 +136,7 @@ impl SceneNeeds {
             ("SKELETON", skeleton.into()),
             ("SHADING", shading.into()),
             ("SUN_COUNT", self.suns.into()),
+            ("AREA_COUNT", self.areas.into()),
             flag("ENVIRONMENT", self.environment),
             flag("SHADOWS", self.shadows),
             flag("OWEN", self.owen),

@@ -8,8 +8,8 @@ use crate::scene::{FormMesh, PileOptics, Scene, Skeleton, Sky, Volumes};
 
 use super::GpuContext;
 use super::layout::{
-    FORM_ROW, HIGHLIGHT_INTERVALS, MAX_MATERIALS, MAX_SUNS, Material, STITCH_FAR, STITCH_HERE,
-    STITCH_LEFT, STITCH_NEAR, STITCH_RIGHT, SceneConstants, Sun,
+    AreaLight, FORM_ROW, HIGHLIGHT_INTERVALS, MAX_AREAS, MAX_MATERIALS, MAX_SUNS, Material,
+    STITCH_FAR, STITCH_HERE, STITCH_LEFT, STITCH_NEAR, STITCH_RIGHT, SceneConstants, Sun,
 };
 use super::{highlight, pipelines::Pipelines};
 
@@ -437,6 +437,17 @@ fn scene_constants(scene: &Scene) -> SceneConstants {
         slot.direction[3] = (2.0 * (sun.angular_radius / 2.0).sin().powi(2)) as f32;
         slot.irradiance = rgb(sun.irradiance);
     }
+    let mut areas = [AreaLight::zeroed(); MAX_AREAS as usize];
+    for (slot, area) in areas.iter_mut().zip(&lights.areas) {
+        let [half_width, half_height] = area.half_sides.map(rgb);
+        *slot = AreaLight {
+            centre: rgb(area.centre),
+            half_width,
+            half_height,
+            facing: rgb(area.facing),
+            intensity: rgb(area.intensity),
+        };
+    }
     let rows = exponents(pile);
     let mut materials = [Material::zeroed(); MAX_MATERIALS as usize];
     for (slot, material) in materials.iter_mut().zip(&pile.materials) {
@@ -512,6 +523,7 @@ fn scene_constants(scene: &Scene) -> SceneConstants {
         sky_ground,
         background: rgb(lights.background),
         suns,
+        areas,
         materials,
     }
 }

@@ -12,9 +12,9 @@ use glam::{DVec2, DVec3};
 use super::{Scratch, Tracer};
 use crate::design::Method;
 use crate::geometry::Ray;
-use crate::optics::{Vertex, bounced, environment_radiance};
+use crate::optics::{Lamp, Vertex, bounced, environment_radiance};
 use crate::render::accumulation::{FirstHit, Sample};
-use crate::sampling::{self, Pcg, Set, directions};
+use crate::sampling::{self, Pcg, Set};
 
 /// The scattering from which on a path may end by Russian roulette: earlier ones carry most of the picture.
 const ROULETTE_FROM: u32 = 3;
@@ -121,7 +121,7 @@ impl<'a> PathTracer<'a> {
                 composited,
                 orders: if closing { bounces - bounce } else { 0 },
             };
-            let mut light = self.sunlight(&vertex, view, gather);
+            let mut light = self.lamplight(&vertex, view, gather);
             if composited || closing {
                 light += self.skylight(&vertex, view, gather);
             }
@@ -168,19 +168,17 @@ impl<'a> PathTracer<'a> {
         radiance
     }
 
-    /// Light of the suns scattered towards `view`, but for the albedo.
-    fn sunlight(&mut self, vertex: &Vertex, view: DVec3, gather: Gather) -> DVec3 {
+    /// Light of suns and area lights scattered towards `view`, but for the albedo.
+    fn lamplight(&mut self, vertex: &Vertex, view: DVec3, gather: Gather) -> DVec3 {
         let tracer = self.tracer;
+        let lights = &tracer.scene.lights;
         let mut light = DVec3::ZERO;
-        for (sun, number) in tracer.scene.lights.suns.iter().zip(0..) {
-            let set = Set::Sun {
-                bounce: gather.bounce,
-                sun: number,
-            };
+        let point = tracer.scene.lit_point(vertex.position);
+        let lamps = (0..).map_while(|number| Lamp::of(lights, number, gather.bounce));
+        for (lamp, set) in lamps {
             let [u, v, ..] = self.random(set);
-            let centre = DVec3::from_array(sun.direction);
-            let direction =
-                vertex.sheet_direction(directions::cone(centre, sun.angular_radius, u, v));
+            let (world, irradiance) = lamp.towards(point, [u, v]);
+            let direction = vertex.sheet_direction(world);
             let value = tracer.optics.value(vertex.lobe, view, direction);
             if value > 0.0 || gather.orders > 0 {
                 let visibility = self.visibility(
@@ -188,8 +186,7 @@ impl<'a> PathTracer<'a> {
                     gather.composited,
                 );
                 let by_bounces = gather.by_bounces(vertex, direction, visibility);
-                let light_of_sun = by_bounces * (0.25 * FRAC_1_PI) + value * visibility;
-                light += DVec3::from_array(sun.irradiance) * light_of_sun;
+                light += irradiance * (by_bounces * (0.25 * FRAC_1_PI) + value * visibility);
             }
         }
         light

@@ -1,6 +1,6 @@
 //! Which cells of the cloth a coarse first picture depends on, so that a scene can be made for it before all loops are.
 //!
-//! Space: world, mm. A camera's ray is followed through the heights that loops can reach, and every sun's light to each of its
+//! Space: world, mm. A camera's ray is followed through the heights that loops can reach, and the light of every sun and area light to each of its
 //! points. Both lie over a convex polygon on the sheet: the ray's ends there, and the second end's shadow on the plane where
 //! the loops end, for the outermost directions of the sun. The sky's light and further bounces come from all sides; so far
 //! as their way is short, they see the same, too.
@@ -12,7 +12,7 @@ use super::{Camera, Settings};
 use crate::design::Design;
 use crate::geometry::{Interval, Ray, clip_to_box};
 use crate::sampling::{self, Set};
-use crate::scene::{Lights, PileReach, SeenCells, SunLight};
+use crate::scene::{AreaLight, Lights, PileReach, SeenCells, SunLight};
 
 /// Allowance for rounding, and for rays that start a little off a surface, mm.
 const SLACK_MM: f64 = 0.01;
@@ -40,8 +40,13 @@ impl FirstLook<'_> {
         let reach = PileReach::of(self.design);
         let none = SeenCells::none(&reach);
         let lights = Lights::new(&self.design.light);
-        let suns = lights.suns.iter().filter(|_| self.settings.shadows);
-        let shadows: Vec<Shadow> = suns.map(Shadow::new).collect();
+        let suns = lights.suns.iter().map(Shadow::of_sun);
+        let areas = lights.areas.iter().map(Shadow::of_area);
+        let shadows: Vec<Shadow> = if self.settings.shadows {
+            suns.chain(areas).collect()
+        } else {
+            Vec::new()
+        };
         let rows = (0..self.size[1])
             .into_par_iter()
             .step_by(self.stride as usize);
@@ -95,15 +100,21 @@ impl FirstLook<'_> {
     }
 }
 
-/// How far over the sheet a sun's light comes for every mm of height: least and most along x and y.
-struct Shadow {
-    slopes: [[f64; 2]; 2],
-    /// It comes from below.
-    from_below: bool,
+/// Over what parts of the sheet light comes to a point.
+enum Shadow {
+    /// From all directions of a sun.
+    Sun {
+        /// How far over the sheet it comes for every mm of height: least and most along x and y.
+        slopes: [[f64; 2]; 2],
+        /// It comes from below.
+        from_below: bool,
+    },
+    /// From all points of a rectangle with these corners, mm.
+    Area([DVec3; 4]),
 }
 
 impl Shadow {
-    fn new(sun: &SunLight) -> Self {
+    fn of_sun(sun: &SunLight) -> Self {
         let [x, y, z] = sun.direction;
         let sin = sun.angular_radius.sin();
         // The plane x = m·z touches the cone of the sun's directions where (x − m·z)² = (1 + m²)·sin².
@@ -116,32 +127,62 @@ impl Shadow {
             let root = (b * b - a * c).max(0.0).sqrt();
             [(b - root) / a, (b + root) / a]
         };
-        Self {
+        Self::Sun {
             slopes: [along(x), along(y)],
             from_below: z < 0.0,
         }
     }
 
-    /// Adds to the ends of a ray within a box the corners of what lies under the ways of this sun's light to all its points.
+    fn of_area(area: &AreaLight) -> Self {
+        let centre = DVec3::from_array(area.centre);
+        let [x, y] = area.half_sides.map(DVec3::from_array);
+        Self::Area([
+            centre - x - y,
+            centre + x - y,
+            centre - x + y,
+            centre + x + y,
+        ])
+    }
+
+    /// Adds to the ends of a ray within a box the corners of what lies under the ways of this light to all its points.
     fn add(&self, ends: [DVec3; 2], [low, high]: [DVec3; 2], corners: &mut Vec<DVec2>) {
         for end in ends {
-            let height = if self.from_below {
-                low.z - end.z
-            } else {
-                high.z - end.z
-            };
-            if height == 0.0 {
-                // Even for a sun at the horizon.
-                continue;
+            match self {
+                Self::Sun { slopes, from_below } => {
+                    let height = if *from_below {
+                        low.z - end.z
+                    } else {
+                        high.z - end.z
+                    };
+                    if height == 0.0 {
+                        // Even for a sun at the horizon.
+                        continue;
+                    }
+                    let shift = |axis: usize, side: usize| {
+                        // No way is longer than the box.
+                        let most = high[axis] - low[axis];
+                        (slopes[axis][side] * height).clamp(-most, most)
+                    };
+                    let sides = [[0, 0], [0, 1], [1, 0], [1, 1]];
+                    corners.extend(
+                        sides.map(|[x, y]| end.truncate() + DVec2::new(shift(0, x), shift(1, y))),
+                    );
+                }
+                Self::Area(places) => {
+                    let above = places.iter().all(|place| place.z > high.z);
+                    let below = places.iter().all(|place| place.z < low.z);
+                    for place in places {
+                        // Where the way leaves the heights of the cloth; from a light that reaches down to them, the whole way.
+                        let share = if above || below {
+                            let level = if above { high.z } else { low.z };
+                            (level - end.z) / (place.z - end.z)
+                        } else {
+                            1.0
+                        };
+                        corners.push(end.truncate().lerp(place.truncate(), share));
+                    }
+                }
             }
-            let shift = |axis: usize, side: usize| {
-                // No way is longer than the box.
-                let most = high[axis] - low[axis];
-                (self.slopes[axis][side] * height).clamp(-most, most)
-            };
-            let sides = [[0, 0], [0, 1], [1, 0], [1, 1]];
-            corners
-                .extend(sides.map(|[x, y]| end.truncate() + DVec2::new(shift(0, x), shift(1, y))));
         }
     }
 }

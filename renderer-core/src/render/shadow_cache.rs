@@ -64,7 +64,7 @@ pub struct ShadowGrid {
     pub layers_below: u32,
     /// Height of a layer, mm.
     pub layer_mm: f64,
-    /// Lights: the suns, then the environment.
+    /// Lights: suns and area lights, then the environment.
     pub lights: u32,
     /// Cells of the sheet, and their size, mm.
     cells: [u32; 2],
@@ -114,7 +114,7 @@ impl ShadowGrid {
             shift,
             layers_below: below,
             layer_mm,
-            lights: scene.lights.suns.len() as u32 + 1,
+            lights: scene.lights.lamps() as u32 + 1,
             cells,
             pitch_mm,
         }

@@ -51,6 +51,13 @@ pub enum Set {
         /// Which sun, from 0, below 8.
         sun: u32,
     },
+    /// Place on area light `area` (two dimensions).
+    Area {
+        /// Which scattering, from 1.
+        bounce: u32,
+        /// Which area light, from 0, below 4.
+        area: u32,
+    },
     /// Direction towards the environment (two dimensions), at the first scattering of `single` and `layered`.
     Environment {
         /// Which scattering, from 1.
@@ -71,6 +78,7 @@ impl Set {
             Self::Sun { bounce, sun } => 16 * bounce + sun,
             Self::Environment { bounce } => 16 * bounce + 8,
             Self::Onward { bounce } => 16 * bounce + 9,
+            Self::Area { bounce, area } => 16 * bounce + 10 + area,
         }
     }
 }

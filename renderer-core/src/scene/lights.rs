@@ -2,8 +2,10 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::{Lights, Sky, SunLight};
-use crate::design::{Environment, EnvironmentKind, Light, Sun};
+use glam::DVec3;
+
+use super::{AreaLight, Lights, Sky, SunLight};
+use crate::design::{self, Environment, EnvironmentKind, Light, Sun};
 
 impl Lights {
     /// The lights of a design.
@@ -17,6 +19,7 @@ impl Lights {
         };
         Self {
             suns: light.sun.iter().map(SunLight::new).collect(),
+            areas: light.area.iter().map(AreaLight::new).collect(),
             environment: tint.map(|c| c * radiance),
             sky: Sky::new(&light.environment),
             background: light.background.linear(),
@@ -44,16 +47,52 @@ impl Sky {
 
 impl SunLight {
     fn new(sun: &Sun) -> Self {
-        let (sin_azimuth, cos_azimuth) = sun.azimuth.to_radians().sin_cos();
-        let (sin_elevation, cos_elevation) = sun.elevation.to_radians().sin_cos();
         Self {
-            direction: [
-                cos_elevation * cos_azimuth,
-                cos_elevation * sin_azimuth,
-                sin_elevation,
-            ],
+            direction: direction(sun.azimuth, sun.elevation).to_array(),
             angular_radius: (0.5 * sun.angular_diameter).to_radians(),
             irradiance: sun.colour.linear().map(|c| c * sun.irradiance),
         }
     }
+}
+
+impl AreaLight {
+    fn new(area: &design::AreaLight) -> Self {
+        let away = direction(area.azimuth, area.elevation);
+        // One side is level; straight above the cloth it keeps its azimuth.
+        let (sine, cosine) = area.azimuth.to_radians().sin_cos();
+        let level = DVec3::new(-sine, cosine, 0.0);
+        let half_sides = [0.5 * area.width, 0.5 * area.height];
+        let radiance = area.irradiance / seen_share(half_sides, area.distance);
+        let intensity = radiance * area.width * area.height;
+        Self {
+            centre: (away * area.distance).to_array(),
+            half_sides: [
+                (level * half_sides[0]).to_array(),
+                (away.cross(level) * half_sides[1]).to_array(),
+            ],
+            facing: (-away).to_array(),
+            intensity: area.colour.linear().map(|c| c * intensity),
+        }
+    }
+}
+
+/// Irradiance per radiance of a rectangle of these half sides, on a plane parallel to it at `distance` from its middle: four
+/// times the known form of one corner (Howell's catalogue of configuration factors, B-3), times π.
+fn seen_share([a, b]: [f64; 2], distance: f64) -> f64 {
+    let part = |a: f64, b: f64| {
+        let slant = a.hypot(distance);
+        a / slant * (b / slant).atan()
+    };
+    2.0 * (part(a, b) + part(b, a))
+}
+
+/// Unit vector to azimuth and elevation in degrees.
+fn direction(azimuth: f64, elevation: f64) -> DVec3 {
+    let (sin_azimuth, cos_azimuth) = azimuth.to_radians().sin_cos();
+    let (sin_elevation, cos_elevation) = elevation.to_radians().sin_cos();
+    DVec3::new(
+        cos_elevation * cos_azimuth,
+        cos_elevation * sin_azimuth,
+        sin_elevation,
+    )
 }

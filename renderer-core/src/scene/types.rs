@@ -4,6 +4,7 @@ use std::ops::Deref;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
 
 use super::{FormMesh, Loops};
 use crate::design::{
@@ -66,6 +67,15 @@ impl Scene {
     /// Lowest and highest point of loops and ground yarns over the sheet, mm.
     pub fn heights_mm(&self) -> [f64; 2] {
         heights_mm(&self.loops, &self.skeleton)
+    }
+
+    /// The world position of a sheet position as far as lights need it: suns and surroundings need none.
+    #[inline(always)]
+    pub fn lit_point(&self, sheet: DVec3) -> DVec3 {
+        match &*self.form {
+            Some(form) if !self.lights.areas.is_empty() => form.world_of(sheet),
+            _ => sheet,
+        }
     }
 
     /// Whether as much of each light reaches every point of both scenes: colours and backgrounds may differ.
@@ -242,6 +252,20 @@ pub struct SunLight {
     pub irradiance: [f64; 3],
 }
 
+/// A rectangle that shines on the side that it faces the middle of the cloth with. The whole cloth is on that side, so that
+/// nothing behind it is in the way of a ray to it. World space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AreaLight {
+    /// Its middle, mm.
+    pub centre: [f64; 3],
+    /// From its middle to the middles of two neighbouring sides, mm; perpendicular.
+    pub half_sides: [[f64; 3]; 2],
+    /// Unit vector from its middle towards the cloth's.
+    pub facing: [f64; 3],
+    /// Radiance times area, mm²: irradiance far away along `facing` is this over the distance squared. Linear RGB.
+    pub intensity: [f64; 3],
+}
+
 /// How light from all around varies with direction, as a factor for each channel. World space: +z is the cloth's front
 /// normal.
 #[derive(Debug, Clone, PartialEq)]
@@ -279,6 +303,8 @@ impl Sky {
 pub struct Lights {
     /// Suns, at most 8.
     pub suns: Vec<SunLight>,
+    /// Area lights, at most 4.
+    pub areas: Vec<AreaLight>,
     /// Radiance of the environment where `sky` is 1, linear RGB.
     pub environment: [f64; 3],
     /// How the environment varies with direction: a factor on its radiance.

@@ -1,9 +1,9 @@
 //! Ways in which small cloths differ that matter to a renderer: loops, yarns, looks, lights, cameras.
 
 use renderer_core::design::{
-    Back, ChartImage, Colour, Design, EnvironmentImage, EnvironmentKind, EnvironmentReader, Fit,
-    Interpolation, LengthEntry, LengthMap, Pattern, Phase, PileKind, SkeletonHeight,
-    SkeletonShading, Sun,
+    AreaLight, Back, ChartImage, Colour, Design, EnvironmentImage, EnvironmentKind,
+    EnvironmentReader, Fit, Interpolation, LengthEntry, LengthMap, Pattern, Phase, PileKind,
+    SkeletonHeight, SkeletonShading, Sun,
 };
 
 /// What is different, and how.
@@ -164,8 +164,8 @@ fn several_materials(design: &mut Design) {
         .collect();
 }
 
-/// Suns and skies.
-pub const LIGHTS: [Edit; 7] = [
+/// Suns, area lights and skies.
+pub const LIGHTS: [Edit; 8] = [
     AS_IT_IS,
     ("a grazing sun", |d| {
         let sun = &mut d.light.sun[0];
@@ -199,6 +199,18 @@ pub const LIGHTS: [Edit; 7] = [
     }),
     ("closed at the first scattering", |d| {
         (d.quality.bounces, d.quality.traced_bounces) = (16, 1);
+    }),
+    ("area lights", |d| {
+        d.light.area = [(15.0, 180.0, 90.0), (80.0, 30.0, 60.0), (-50.0, 0.0, 200.0)]
+            .map(|(elevation, azimuth, distance)| AreaLight {
+                elevation,
+                azimuth,
+                distance,
+                width: 40.0,
+                height: 25.0,
+                ..AreaLight::default()
+            })
+            .to_vec();
     }),
 ];
 

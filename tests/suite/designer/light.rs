@@ -1,6 +1,6 @@
-//! The panel Light: suns dragged on a sphere, by pointer and keys, and ready lights.
+//! The panel Light: suns and area lights dragged on a sphere, by pointer and keys, and ready lights.
 
-use renderer_core::design::Sun;
+use renderer_core::design::{AreaLight, Sun};
 use towel_designer::designer::panels::ReadyLight;
 
 use super::*;
@@ -22,7 +22,7 @@ fn undo_name(harness: &Harness<'_, App>) -> String {
 
 /// Where a sun of that azimuth and elevation stands on the sphere, which is seen from straight above.
 fn place(harness: &Harness<'_, App>, azimuth: f64, elevation: f64) -> Pos2 {
-    let sphere = harness.get_by_label("Suns on a sphere").rect();
+    let sphere = harness.get_by_label("Lights on a sphere").rect();
     let azimuth = azimuth.to_radians();
     let across = elevation.to_radians().cos();
     let offset = vec2(azimuth.cos() as f32, -azimuth.sin() as f32) * across as f32;
@@ -123,6 +123,64 @@ fn pressing_a_dot_selects_its_sun_and_keys_move_it() {
 }
 
 #[test]
+fn area_lights_are_added_dragged_duplicated_and_removed() {
+    let mut harness = lit();
+    let before = design(&harness).clone();
+    click(&mut harness, "Add area light");
+    assert_eq!(design(&harness).light.area, vec![AreaLight::default()]);
+    assert_eq!(undo_name(&harness), "add area light");
+    assert_eq!(wished(&harness).light, design(&harness).light);
+    // Its numbers are shown, and typed.
+    type_number(&mut harness, "Width", "250");
+    assert_eq!(design(&harness).light.area[0].width, 250.0);
+    assert_eq!(undo_name(&harness), "area light width");
+
+    let usual = AreaLight::default();
+    let sun = suns(&harness)[0].clone();
+    // Away from the sun first, which by default stands at the same place.
+    type_number(&mut harness, "Azimuth", "-30");
+    let from = place(&harness, -30.0, usual.elevation);
+    let to = place(&harness, -100.0, 20.0);
+    drag(&mut harness, from, to);
+    let moved = design(&harness).light.area[0].clone();
+    let off = (moved.azimuth + 100.0)
+        .abs()
+        .max((moved.elevation - 20.0).abs());
+    assert!(off < 1.0, "{moved:?}");
+    assert_eq!(suns(&harness), vec![sun]);
+    assert_eq!(undo_name(&harness), "moved area light");
+
+    click(&mut harness, "Duplicate area light 1");
+    assert_eq!(design(&harness).light.area, vec![moved.clone(), moved]);
+    click(&mut harness, "Remove area light 2");
+    click(&mut harness, "Remove area light 1");
+    assert!(design(&harness).light.area.is_empty());
+    assert_eq!(undo_name(&harness), "remove area light");
+    while undo_name(&harness) != "nothing" {
+        harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        harness.run_steps(3);
+    }
+    assert_eq!(*design(&harness), before);
+    click(&mut harness, "Duplicate sun 1");
+    assert_eq!(suns(&harness), vec![before.light.sun[0].clone(); 2]);
+}
+
+#[test]
+fn an_area_light_stands_beyond_any_cloth_it_is_added_to() {
+    let mut harness = lit();
+    let mut large = design(&harness).clone();
+    (large.sheet.warps, large.sheet.wefts) = (4000, 2000);
+    for ready in ReadyLight::ALL {
+        large.light = ready.applied_to(&large);
+        assert_eq!(large.faults(), []);
+    }
+    click(&mut harness, "Add area light");
+    type_number(&mut harness, "Distance", "20");
+    let told = "light.area[0].distance is 20, allowed is at least";
+    assert!(harness.query_all_by_label_contains(told).next().is_some());
+}
+
+#[test]
 fn every_ready_light_is_sound_and_one_step() {
     let mut harness = lit();
     let before = design(&harness).clone();
@@ -130,7 +188,7 @@ fn every_ready_light_is_sound_and_one_step() {
         click(&mut harness, ready.name());
         let lit = design(&harness).clone();
         assert!(lit.faults().is_empty(), "{ready:?}: {:?}", lit.faults());
-        assert_eq!(lit.light, ready.applied_to(&before.light));
+        assert_eq!(lit.light, ready.applied_to(&before));
         assert_ne!(lit.light, before.light);
         assert_eq!(lit.light.background, before.light.background);
         assert_eq!(wished(&harness).light, lit.light);

@@ -225,23 +225,32 @@ fn every_number_of_every_section_has_a_control() {
     );
     sections.push(Box::new(design.view));
     for section in sections {
-        for (field, value) in section.numbers() {
-            let label = towel_designer::designer::label_of(field.name);
-            let controls: Vec<_> = harness
-                .get_all_by_role_and_label(Role::SpinButton, &label)
-                .collect();
-            let shows = |node: &egui_kittest::Node<'_>| {
-                let shown = node.value().unwrap_or_default();
-                shown
-                    .parse::<f64>()
-                    .is_ok_and(|shown| (shown - value).abs() <= 1e-5 * value.abs())
-            };
-            assert!(
-                controls.iter().any(shows),
-                "no control shows {} = {value}",
-                field.name
-            );
-        }
+        assert_has_controls(&harness, &*section);
+    }
+    // The numbers of the light that is selected are shown.
+    click(&mut harness, "Add area light");
+    let area = super::design(&harness).light.area[0].clone();
+    assert_has_controls(&harness, &area);
+}
+
+#[track_caller]
+fn assert_has_controls(harness: &Harness<'_, App>, section: &dyn Numbers) {
+    for (field, value) in section.numbers() {
+        let label = towel_designer::designer::label_of(field.name);
+        let controls: Vec<_> = harness
+            .get_all_by_role_and_label(Role::SpinButton, &label)
+            .collect();
+        let shows = |node: &egui_kittest::Node<'_>| {
+            let shown = node.value().unwrap_or_default();
+            shown
+                .parse::<f64>()
+                .is_ok_and(|shown| (shown - value).abs() <= 1e-5 * value.abs())
+        };
+        assert!(
+            controls.iter().any(shows),
+            "no control shows {} = {value}",
+            field.name
+        );
     }
 }
 

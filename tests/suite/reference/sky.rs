@@ -48,7 +48,7 @@ const FAR: Side = ("far", |d| d.y > 0.0);
 const FAR_RIGHT: Side = ("far right", |d| d.x > 0.0 && d.y > 0.0);
 
 /// A straight white warp of radius 0.22 mm along y, and next to nothing else.
-fn one_yarn() -> Design {
+pub fn one_yarn() -> Design {
     let mut design = Design::default();
     (design.sheet.warps, design.sheet.wefts) = (1, 1);
     design.weave.pattern = Pattern::filled(1, 1, 1);
@@ -63,7 +63,7 @@ fn one_yarn() -> Design {
 }
 
 /// 16 × 16 pixels that all see the yarn's point whose normal is `normal`, away from the weft.
-fn look_at_yarn(scene: Scene, normal: DVec3, method: Method) -> RenderRequest {
+pub fn look_at_yarn(scene: Scene, normal: DVec3, method: Method) -> RenderRequest {
     let mut request = request(scene, method, 1);
     request.camera = needle_camera(DVec3::new(0.0, 0.28, 0.0) + 0.22 * normal, normal);
     (request.size, request.crop) = ([16, 16], [0, 0, 16, 16]);
@@ -82,7 +82,7 @@ fn mean(picture: &Picture, channel: usize) -> (f64, f64) {
 
 /// Requires the mean of a picture to be as expected: 4.5 deviations fail a right picture in 10⁵, `bias` is the
 /// picture's own.
-fn assert_mean(what: &str, picture: &Picture, channel: usize, expected: f64, bias: f64) {
+pub fn assert_mean(what: &str, picture: &Picture, channel: usize, expected: f64, bias: f64) {
     let (mean, deviation) = mean(picture, channel);
     assert!(
         (mean - expected).abs() < 4.5 * deviation + bias,
@@ -93,7 +93,7 @@ fn assert_mean(what: &str, picture: &Picture, channel: usize, expected: f64, bia
 
 /// All backends, and the methods that each is asked for: every one of the reference and of the processor, on the GPU one of
 /// each program.
-fn all() -> [(&'static str, Box<dyn Backend>, &'static [Method]); 3] {
+pub fn all() -> [(&'static str, Box<dyn Backend>, &'static [Method]); 3] {
     let gpu: GpuBackend = gpu();
     let fast = &[Method::Single, Method::Layered, Method::Tracked];
     [

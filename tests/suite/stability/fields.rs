@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use renderer_core::cpu::CpuBackend;
-use renderer_core::design::{Design, Entry, LengthEntry, Method, Shape, Shaped, preset};
+use renderer_core::design::{AreaLight, Design, Entry, LengthEntry, Method, Shape, Shaped, preset};
 use renderer_core::gpu::GpuBackend;
 use renderer_core::render::{Backend, RenderError};
 use renderer_core::scene::compile;
@@ -25,6 +25,7 @@ fn small() -> Design {
     let pile = &mut design.pile;
     (pile.layers, pile.resolution, pile.variants, pile.fibres) = (3, 6, 2, 10);
     design.length.table = vec![LengthEntry::default()];
+    design.light.area = vec![AreaLight::default()];
     design.view.cameras[0].distance = 14.0;
     design.quality.method = Method::Tracked;
     design.quality.bounces = 3;
@@ -178,6 +179,7 @@ fn ends_of_all_fields(methods: &[&str]) {
             "sheet.",
             "turbulence.filter",
             "light.environment.",
+            "light.area[0].distance",
         ];
         let known = expected.contains(&path.as_str())
             || sections.iter().any(|start| path.starts_with(start));
@@ -211,6 +213,14 @@ fn a_handful_of_ends_on_the_device() {
         [
             ("light.sun[0].angular_diameter", "120"),
             ("light.sun[0].elevation", "-90"),
+        ],
+        [
+            ("light.area[0].distance", "100000"),
+            ("light.area[0].width", "100000"),
+        ],
+        [
+            ("light.area[0].irradiance", "1000"),
+            ("light.area[0].elevation", "-90"),
         ],
         [
             ("light.environment.radiance", "1000"),

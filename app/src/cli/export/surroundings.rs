@@ -2,9 +2,10 @@
 //!
 //! World space, mm, degrees, linear RGB with sRGB primaries.
 
+use glam::DVec3;
 use renderer_core::design::Design;
 use renderer_core::render::{Camera, Projection};
-use renderer_core::scene::Scene;
+use renderer_core::scene::{AreaLight, Scene};
 use serde::Serialize;
 
 /// Everything but the loops.
@@ -15,6 +16,7 @@ pub struct Surroundings {
     /// In the order of the preset; its first is what `render` uses unless told.
     cameras: Vec<View>,
     suns: Vec<Sun>,
+    area_lights: Vec<Area>,
     environment: Environment,
 }
 
@@ -65,6 +67,18 @@ struct Sun {
     angular_diameter: f64,
 }
 
+/// A rectangle that shines on one side.
+#[derive(Debug, Serialize)]
+struct Area {
+    /// Its middle, mm.
+    centre: [f64; 3],
+    /// From there to the middles of two neighbouring sides, mm.
+    half_sides: [[f64; 3]; 2],
+    /// Unit vector to where it shines.
+    facing: [f64; 3],
+    radiance: [f64; 3],
+}
+
 #[derive(Debug, Serialize)]
 struct Environment {
     kind: String,
@@ -105,10 +119,24 @@ impl Surroundings {
                     angular_diameter: 2.0 * sun.angular_radius.to_degrees(),
                 })
                 .collect(),
+            area_lights: lights.areas.iter().map(Area::new).collect(),
             environment: Environment {
                 kind: design.light.environment.kind.name(),
                 radiance: lights.environment,
             },
+        }
+    }
+}
+
+impl Area {
+    fn new(light: &AreaLight) -> Self {
+        let [x, y] = light.half_sides.map(DVec3::from_array);
+        let area = 4.0 * x.length() * y.length();
+        Self {
+            centre: light.centre,
+            half_sides: light.half_sides,
+            facing: light.facing,
+            radiance: light.intensity.map(|c| c / area),
         }
     }
 }

@@ -1,14 +1,16 @@
-//! Light: suns, surroundings, background.
+//! Light: suns, area lights, surroundings, background.
 
 use egui::{Button, Color32, ColorImage, Ui, vec2};
-use renderer_core::design::{Colour, Environment, EnvironmentImage, EnvironmentKind, Light, Sun};
+use renderer_core::design::{
+    AreaLight, Colour, Design, Environment, EnvironmentImage, EnvironmentKind, Light, Sun,
+};
 
-use super::light_sphere::{self, LightSphere};
+use super::light_sphere::{self, Lamp, LightSphere};
 use super::{Surroundings, ready_lights};
 use crate::designer::command::Command;
 use crate::designer::widgets::{Thumbnail, choice, colour, number, show_thumbnail, subheading};
 
-/// The suns' sphere and the picture of the surroundings.
+/// The lights' sphere and the picture of the surroundings.
 #[derive(Default)]
 pub struct State {
     sphere: LightSphere,
@@ -19,21 +21,24 @@ pub struct State {
 const WIDTH: usize = 256;
 
 /// Shows the panel.
-pub fn show(ui: &mut Ui, state: &mut State, light: &mut Light, around: &mut Surroundings<'_>) {
+pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design, around: &mut Surroundings<'_>) {
     subheading(ui, "Ready lights");
-    if let Some(ready) = ready_lights::show(ui, light) {
+    if let Some(ready) = ready_lights::show(ui, design) {
         state.sphere.selected = 0;
         *around.step_name = Some(format!("light: {}", ready.name().to_lowercase()));
     }
-    subheading(ui, "Suns");
+    subheading(ui, "Suns and area lights");
     ui.horizontal_top(|ui| {
-        if light_sphere::show(ui, &mut state.sphere, light) {
-            *around.step_name = Some("moved sun".into());
+        if let Some(step) = light_sphere::show(ui, &mut state.sphere, &mut design.light) {
+            *around.step_name = Some(step.into());
         }
-        ui.vertical(|ui| list(ui, &mut state.sphere.selected, light));
+        ui.vertical(|ui| list(ui, &mut state.sphere.selected, design));
     });
-    if let Some(sun) = light.sun.get_mut(state.sphere.selected) {
-        one_sun(ui, sun);
+    let light = &mut design.light;
+    match Lamp::of(light, state.sphere.selected) {
+        Some(Lamp::Sun(index)) => one_sun(ui, &mut light.sun[index]),
+        Some(Lamp::Area(index)) => one_area(ui, &mut light.area[index]),
+        None => {}
     }
     subheading(ui, "Surroundings");
     ui.push_id("environment", |ui| {
@@ -50,14 +55,13 @@ pub fn show(ui: &mut Ui, state: &mut State, light: &mut Light, around: &mut Surr
     });
 }
 
-/// The suns by number, to choose one, and to have more or fewer.
-fn list(ui: &mut Ui, selected: &mut usize, light: &mut Light) {
+/// The lights by number, to choose one, and to have more or fewer.
+fn list(ui: &mut Ui, selected: &mut usize, design: &mut Design) {
     ui.horizontal_wrapped(|ui| {
-        for index in 0..light.sun.len() {
-            let name = format!("Sun {}", index + 1);
-            let button = ui.add(Button::new(name).selected(*selected == index));
+        for (index, lamp) in Lamp::all(&design.light).enumerate() {
+            let button = ui.add(Button::new(lamp.name()).selected(*selected == index));
             if button
-                .on_hover_text("Shows this sun's numbers below.")
+                .on_hover_text("Shows this light's numbers below.")
                 .clicked()
             {
                 *selected = index;
@@ -65,21 +69,63 @@ fn list(ui: &mut Ui, selected: &mut usize, light: &mut Light) {
         }
     });
     ui.add_space(4.0);
-    let add = ui.add_enabled(light.sun.len() < Light::MAX_SUNS, Button::new("Add sun"));
-    if add
-        .on_hover_text(format!("At most {} suns.", Light::MAX_SUNS))
-        .clicked()
-    {
-        light.sun.push(Sun::default());
-        *selected = light.sun.len() - 1;
-    }
-    if *selected < light.sun.len() {
-        let remove = ui.button(format!("Remove sun {}", *selected + 1));
-        if remove.on_hover_text("Takes this sun away.").clicked() {
-            light.sun.remove(*selected);
+    let has_room = |what: &str, most: usize| format!("{what} At most {most}.");
+    let (suns, areas) = (design.light.sun.len(), design.light.area.len());
+    ui.horizontal_wrapped(|ui| {
+        let add = ui.add_enabled(suns < Light::MAX_SUNS, Button::new("Add sun"));
+        let what = "Light from far away.";
+        if add.on_hover_text(has_room(what, Light::MAX_SUNS)).clicked() {
+            design.light.sun.push(Sun::default());
+            *selected = suns;
+        }
+        let add = ui.add_enabled(areas < Light::MAX_AREAS, Button::new("Add area light"));
+        let what = "A rectangle that shines on the cloth: a softbox or a window.";
+        if add
+            .on_hover_text(has_room(what, Light::MAX_AREAS))
+            .clicked()
+        {
+            let mut area = AreaLight::default();
+            let nearest = design.nearest_area_mm(area.azimuth, area.elevation);
+            area.distance = area.distance.max(nearest);
+            design.light.area.push(area);
+            *selected = suns + areas;
+        }
+    });
+    let Some(lamp) = Lamp::of(&design.light, *selected) else {
+        return;
+    };
+    let light = &mut design.light;
+    let name = lamp.name().to_lowercase();
+    ui.horizontal_wrapped(|ui| {
+        let is_full = match lamp {
+            Lamp::Sun(_) => suns == Light::MAX_SUNS,
+            Lamp::Area(_) => areas == Light::MAX_AREAS,
+        };
+        let duplicate = ui.add_enabled(!is_full, Button::new(format!("Duplicate {name}")));
+        if duplicate
+            .on_hover_text("Another one with the same numbers.")
+            .clicked()
+        {
+            *selected = match lamp {
+                Lamp::Sun(index) => {
+                    light.sun.push(light.sun[index].clone());
+                    suns
+                }
+                Lamp::Area(index) => {
+                    light.area.push(light.area[index].clone());
+                    suns + areas
+                }
+            };
+        }
+        let remove = ui.button(format!("Remove {name}"));
+        if remove.on_hover_text("Takes this light away.").clicked() {
+            match lamp {
+                Lamp::Sun(index) => drop(light.sun.remove(index)),
+                Lamp::Area(index) => drop(light.area.remove(index)),
+            }
             *selected = selected.saturating_sub(1);
         }
-    }
+    });
 }
 
 fn surroundings(
@@ -189,4 +235,15 @@ fn one_sun(ui: &mut Ui, sun: &mut Sun) {
     number(ui, &fields.irradiance, &mut sun.irradiance);
     number(ui, &fields.angular_diameter, &mut sun.angular_diameter);
     colour(ui, "Colour", "Colour of the light.", &mut sun.colour);
+}
+
+fn one_area(ui: &mut Ui, area: &mut AreaLight) {
+    let fields = AreaLight::FIELDS;
+    number(ui, &fields.azimuth, &mut area.azimuth);
+    number(ui, &fields.elevation, &mut area.elevation);
+    number(ui, &fields.distance, &mut area.distance);
+    number(ui, &fields.width, &mut area.width);
+    number(ui, &fields.height, &mut area.height);
+    number(ui, &fields.irradiance, &mut area.irradiance);
+    colour(ui, "Colour", "Colour of the light.", &mut area.colour);
 }

@@ -1,21 +1,117 @@
-//! Suns on a sphere that they light: the cloth's sky seen from straight above, its far edge at the top. A sun over the
-//! middle shines down on the cloth, one at the rim grazes it. Each shows as the disc it is in the sky; suns below the
-//! cloth's plane show hollow, through the sphere.
+//! Suns and area lights on a sphere that they light: the cloth's sky seen from straight above, its far edge at the top. A
+//! light over the middle shines down on the cloth, one at the rim grazes it. Each shows as the disc or the rectangle that it is
+//! in the sky; lights below the cloth's plane show hollow, through the sphere.
 
 use egui::{
     Align2, Color32, ColorImage, CursorIcon, FontId, Key, Pos2, Rect, Response, Role, Sense, Shape,
     Stroke, TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
 use glam::DVec3;
-use renderer_core::design::{Colour, Environment, EnvironmentKind, Light, Sun};
+use renderer_core::design::{Colour, Environment, EnvironmentKind, Light};
 
 use crate::designer::style;
 use crate::designer::widgets::arrow_keys;
 
-/// Which sun is selected, whether it is held, and the sphere's picture.
+/// A light by its kind and its number among its kind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lamp {
+    /// A sun.
+    Sun(usize),
+    /// An area light.
+    Area(usize),
+}
+
+impl Lamp {
+    /// All lights of a design: suns, then area lights.
+    pub fn all(light: &Light) -> impl Iterator<Item = Self> + use<> {
+        let areas = (0..light.area.len()).map(Self::Area);
+        (0..light.sun.len()).map(Self::Sun).chain(areas)
+    }
+
+    /// The light at a place in that order.
+    pub fn of(light: &Light, index: usize) -> Option<Self> {
+        Self::all(light).nth(index)
+    }
+
+    /// What it is called.
+    pub fn name(self) -> String {
+        match self {
+            Self::Sun(index) => format!("Sun {}", index + 1),
+            Self::Area(index) => format!("Area light {}", index + 1),
+        }
+    }
+
+    fn azimuth_and_elevation(self, light: &mut Light) -> [&mut f64; 2] {
+        match self {
+            Self::Sun(index) => {
+                let sun = &mut light.sun[index];
+                [&mut sun.azimuth, &mut sun.elevation]
+            }
+            Self::Area(index) => {
+                let area = &mut light.area[index];
+                [&mut area.azimuth, &mut area.elevation]
+            }
+        }
+    }
+
+    /// Where it is in the sky.
+    fn spot(self, light: &Light) -> Spot {
+        match self {
+            Self::Sun(index) => {
+                let sun = &light.sun[index];
+                let towards = direction(sun.azimuth, sun.elevation);
+                let (sin, cos) = (sun.angular_diameter / 2.0).to_radians().sin_cos();
+                let (first, second) = towards.any_orthonormal_pair();
+                let edge = (0..EDGE_POINTS)
+                    .map(|k| k as f64 * std::f64::consts::TAU / EDGE_POINTS as f64)
+                    .map(|t| towards * cos + (first * t.cos() + second * t.sin()) * sin);
+                Spot {
+                    towards,
+                    edge: edge.collect(),
+                    colour: sun.colour,
+                    irradiance: sun.irradiance,
+                }
+            }
+            Self::Area(index) => {
+                let area = &light.area[index];
+                let towards = direction(area.azimuth, area.elevation);
+                let (sine, cosine) = area.azimuth.to_radians().sin_cos();
+                let level = DVec3::new(-sine, cosine, 0.0);
+                let [x, y] = [area.width, area.height].map(|side| 0.5 * side / area.distance);
+                let (x, y) = (level * x, towards.cross(level) * y);
+                let corners = [-x - y, x - y, x + y, y - x];
+                let edge = (0..EDGE_POINTS).map(|k| {
+                    let (side, step) = (4 * k / EDGE_POINTS, 4 * k % EDGE_POINTS);
+                    let share = step as f64 / EDGE_POINTS as f64;
+                    let (from, to) = (corners[side], corners[(side + 1) % 4]);
+                    (towards + from.lerp(to, share)).normalize_or(towards)
+                });
+                Spot {
+                    towards,
+                    edge: edge.collect(),
+                    colour: area.colour,
+                    irradiance: area.irradiance,
+                }
+            }
+        }
+    }
+}
+
+/// A light as it is seen from the cloth's middle.
+#[derive(Debug, Clone, PartialEq)]
+struct Spot {
+    /// Unit vector to its middle.
+    towards: DVec3,
+    /// Unit vectors to its edge, all around.
+    edge: Vec<DVec3>,
+    colour: Colour,
+    irradiance: f64,
+}
+
+/// Which light is selected, whether it is held, and the sphere's picture.
 #[derive(Default)]
 pub struct LightSphere {
-    /// Index of the selected sun.
+    /// Place of the selected light among all of them.
     pub selected: usize,
     is_held: bool,
     shading: Option<(Shading, TextureHandle)>,
@@ -24,56 +120,61 @@ pub struct LightSphere {
 /// What the picture of the sphere shows.
 #[derive(Debug, Clone, PartialEq)]
 struct Shading {
-    suns: Vec<Sun>,
+    spots: Vec<Spot>,
     /// Light from straight above, from the horizon and from below.
     sky: [[f64; 3]; 3],
 }
 
 /// Largest radius of the sphere, points.
 const RADIUS: f32 = 64.0;
-/// Room around it, for suns at the rim.
+/// Room around it, for lights at the rim.
 const MARGIN: f32 = 12.0;
 /// Pixels of the sphere's picture.
 const PIXELS: usize = 160;
-/// How near the pointer must be to a sun to take it, points.
+/// How near the pointer must be to a light to take it, points.
 const REACH: f32 = 11.0;
 /// Degrees for an arrow key.
 const DEGREES_PER_KEY: f64 = 5.0;
+/// Points of a light's edge.
+const EDGE_POINTS: usize = 48;
 
-/// Shows the sphere and moves suns on it; true when one was moved.
-pub fn show(ui: &mut Ui, sphere: &mut LightSphere, light: &mut Light) -> bool {
+/// Shows the sphere and moves lights on it; what the history is to call that if one was moved.
+pub fn show(ui: &mut Ui, sphere: &mut LightSphere, light: &mut Light) -> Option<&'static str> {
     let side = 2.0 * (RADIUS + MARGIN);
     let (rect, response) = ui.allocate_exact_size(Vec2::splat(side), Sense::click_and_drag());
     let disc = Disc {
         centre: rect.center(),
         radius: RADIUS,
     };
-    sphere.selected = sphere.selected.min(light.sun.len().saturating_sub(1));
-    let before = light.sun.clone();
-    pointer(ui, sphere, &response, &disc, &mut light.sun);
-    keyboard(ui, sphere, &response, &mut light.sun);
+    let count = Lamp::all(light).count();
+    sphere.selected = sphere.selected.min(count.saturating_sub(1));
+    let before = light.clone();
+    pointer(ui, sphere, &response, &disc, light);
+    keyboard(ui, sphere, &response, light);
     paint(ui, sphere, &response, &disc, light);
-    let text = light.sun.get(sphere.selected).map_or_else(
-        || "no sun".into(),
-        |sun| {
+    let text = Lamp::of(light, sphere.selected).map_or_else(
+        || "no light".into(),
+        |lamp| {
+            let [azimuth, elevation] = lamp.azimuth_and_elevation(light);
             format!(
-                "sun {} of {}: azimuth {:.0}°, elevation {:.0}°",
-                sphere.selected + 1,
-                light.sun.len(),
-                sun.azimuth,
-                sun.elevation
+                "{} of {count}: azimuth {azimuth:.0}°, elevation {elevation:.0}°",
+                lamp.name().to_lowercase(),
             )
         },
     );
     response.widget_info(|| WidgetInfo {
         current_text_value: Some(text.clone()),
-        ..WidgetInfo::labeled(Role::Canvas, ui.is_enabled(), "Suns on a sphere")
+        ..WidgetInfo::labeled(Role::Canvas, ui.is_enabled(), "Lights on a sphere")
     });
     response.on_hover_cursor(CursorIcon::Crosshair).on_hover_text(
-        "Drag a sun over the sphere: in the middle it shines straight down on the cloth, at the rim it grazes it; up is the \
-         cloth's far edge. Keys: arrows move the sun, Page up and Page down choose another.",
+        "Drag a light over the sphere: in the middle it shines straight down on the cloth, at the rim it grazes it; up is the \
+         cloth's far edge. Keys: arrows move the light, Page up and Page down choose another.",
     );
-    light.sun != before
+    if light.sun != before.sun {
+        Some("moved sun")
+    } else {
+        (light.area != before.area).then_some("moved area light")
+    }
 }
 
 /// The sphere on the screen.
@@ -96,8 +197,8 @@ impl Disc {
     }
 }
 
-fn direction(sun: &Sun) -> DVec3 {
-    let (azimuth, elevation) = (sun.azimuth.to_radians(), sun.elevation.to_radians());
+fn direction(azimuth: f64, elevation: f64) -> DVec3 {
+    let (azimuth, elevation) = (azimuth.to_radians(), elevation.to_radians());
     let across = elevation.cos();
     DVec3::new(
         azimuth.cos() * across,
@@ -106,7 +207,7 @@ fn direction(sun: &Sun) -> DVec3 {
     )
 }
 
-fn pointer(ui: &Ui, sphere: &mut LightSphere, response: &Response, disc: &Disc, suns: &mut [Sun]) {
+fn pointer(ui: &Ui, sphere: &mut LightSphere, response: &Response, disc: &Disc, light: &mut Light) {
     let is_down = response.is_pointer_button_down_on() && ui.input(|i| i.pointer.primary_down());
     let Some(at) = response.interact_pointer_pos().filter(|_| is_down) else {
         sphere.is_held = false;
@@ -115,10 +216,12 @@ fn pointer(ui: &Ui, sphere: &mut LightSphere, response: &Response, disc: &Disc, 
     if !sphere.is_held {
         sphere.is_held = true;
         response.request_focus();
-        let distance = |sun: &Sun| disc.place(direction(sun)).distance(at);
-        let nearest =
-            (0..suns.len()).min_by(|&a, &b| distance(&suns[a]).total_cmp(&distance(&suns[b])));
-        if let Some(near) = nearest.filter(|&index| distance(&suns[index]) < REACH) {
+        let distances = Lamp::all(light).map(|lamp| {
+            let [azimuth, elevation] = lamp.azimuth_and_elevation(light);
+            disc.place(direction(*azimuth, *elevation)).distance(at)
+        });
+        let nearest = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some((near, _)) = nearest.filter(|&(_, distance)| distance < REACH) {
             // Taken where it is; it moves when the pointer does.
             sphere.selected = near;
             return;
@@ -126,52 +229,54 @@ fn pointer(ui: &Ui, sphere: &mut LightSphere, response: &Response, disc: &Disc, 
     } else if response.drag_delta() == Vec2::ZERO {
         return;
     }
-    if let Some(sun) = suns.get_mut(sphere.selected) {
-        move_to(sun, disc.direction(at));
+    if let Some(lamp) = Lamp::of(light, sphere.selected) {
+        move_to(lamp.azimuth_and_elevation(light), disc.direction(at));
     }
 }
 
-/// Moves a sun to where x and y of its direction are these, above the cloth or below as it was.
-fn move_to(sun: &mut Sun, [x, y]: [f64; 2]) {
+/// Moves a light to where x and y of its direction are these, above the cloth or below as it was.
+fn move_to([azimuth, elevation]: [&mut f64; 2], [x, y]: [f64; 2]) {
     let tenths = |degrees: f64| (degrees * 10.0).round() / 10.0;
     let across = x.hypot(y);
-    let elevation = tenths(across.min(1.0).acos().to_degrees());
-    sun.elevation = elevation.copysign(sun.elevation);
+    let height = tenths(across.min(1.0).acos().to_degrees());
+    *elevation = height.copysign(*elevation);
     // Straight above, the azimuth means nothing, and keeps what it was.
     if across > 1e-3 {
-        sun.azimuth = tenths(y.atan2(x).to_degrees());
+        *azimuth = tenths(y.atan2(x).to_degrees());
     }
 }
 
-fn keyboard(ui: &Ui, sphere: &mut LightSphere, response: &Response, suns: &mut [Sun]) {
+fn keyboard(ui: &Ui, sphere: &mut LightSphere, response: &Response, light: &mut Light) {
     let Some(arrows) = arrow_keys(ui, response) else {
         return;
     };
     let presses = |key| ui.input(|i| i.num_presses(key));
-    let last = suns.len().saturating_sub(1);
+    let last = Lamp::all(light).count().saturating_sub(1);
     sphere.selected = (sphere.selected + presses(Key::PageDown)).min(last);
     sphere.selected = sphere.selected.saturating_sub(presses(Key::PageUp));
-    let Some(sun) = suns.get_mut(sphere.selected).filter(|_| arrows != [0, 0]) else {
+    let Some(lamp) = Lamp::of(light, sphere.selected).filter(|_| arrows != [0, 0]) else {
         return;
     };
+    let [azimuth, elevation] = lamp.azimuth_and_elevation(light);
     let [right, up] = arrows.map(|presses| f64::from(presses) * DEGREES_PER_KEY);
     // Azimuths grow against the clock as the sphere is seen; the right key goes with it.
-    let azimuth = sun.azimuth - right;
-    sun.azimuth = if azimuth.abs() > 180.0 {
-        azimuth - 360.0 * azimuth.signum()
+    let turned = *azimuth - right;
+    *azimuth = if turned.abs() > 180.0 {
+        turned - 360.0 * turned.signum()
     } else {
-        azimuth
+        turned
     };
-    sun.elevation = (sun.elevation + up).clamp(-90.0, 90.0);
+    *elevation = (*elevation + up).clamp(-90.0, 90.0);
 }
 
 fn paint(ui: &Ui, sphere: &mut LightSphere, response: &Response, disc: &Disc, light: &Light) {
     let visuals = ui.visuals();
     let painter = ui.painter_at(response.rect);
     let shading = Shading {
-        suns: light.sun.clone(),
+        spots: Lamp::all(light).map(|lamp| lamp.spot(light)).collect(),
         sky: sky(&light.environment),
     };
+    let spots = shading.spots.clone();
     if sphere.shading.as_ref().is_none_or(|(of, _)| *of != shading) {
         let options = TextureOptions::LINEAR;
         let texture = ui.ctx().load_texture("sphere", shaded(&shading), options);
@@ -192,37 +297,35 @@ fn paint(ui: &Ui, sphere: &mut LightSphere, response: &Response, disc: &Disc, li
     let font = FontId::proportional(10.0);
     let colour = visuals.weak_text_color();
     painter.text(edge, Align2::CENTER_TOP, "near edge", font, colour);
-    // The selected sun last, so that none lies over it.
-    let others = (0..light.sun.len()).filter(|&index| index != sphere.selected);
+    // The selected light last, so that none lies over it.
+    let others = (0..spots.len()).filter(|&index| index != sphere.selected);
     for index in others.chain(Some(sphere.selected)) {
-        if let Some(sun) = light.sun.get(index) {
-            paint_sun(&painter, visuals, disc, sun, index == sphere.selected);
+        if let Some(spot) = spots.get(index) {
+            paint_spot(&painter, visuals, disc, spot, index == sphere.selected);
         }
     }
-    if light.sun.is_empty() {
+    if spots.is_empty() {
         let font = FontId::proportional(12.0);
         let colour = visuals.strong_text_color();
         painter.text(disc.centre, Align2::CENTER_CENTER, "No sun", font, colour);
     }
 }
 
-fn paint_sun(
+fn paint_spot(
     painter: &egui::Painter,
     visuals: &egui::Visuals,
     disc: &Disc,
-    sun: &Sun,
+    spot: &Spot,
     is_selected: bool,
 ) {
-    let towards = direction(sun);
-    let Colour([r, g, b]) = sun.colour;
+    let Colour([r, g, b]) = spot.colour;
     let fill = Color32::from_rgb(r, g, b);
-    // The edge of its disc in the sky, where it is on this side of the sphere.
-    let (sin, cos) = (sun.angular_diameter / 2.0).to_radians().sin_cos();
-    let (first, second) = towards.any_orthonormal_pair();
-    let side = if sun.elevation < 0.0 { -1.0 } else { 1.0 };
-    let points: Vec<Pos2> = (0..48)
-        .map(|k| f64::from(k) * std::f64::consts::TAU / 48.0)
-        .map(|t| towards * cos + (first * t.cos() + second * t.sin()) * sin)
+    let is_below = spot.towards.z < 0.0;
+    let side = if is_below { -1.0 } else { 1.0 };
+    // Its edge in the sky, where it is on this side of the sphere.
+    let points: Vec<Pos2> = spot
+        .edge
+        .iter()
         .map(|edge| {
             // Beyond the rim it goes on behind; shown at the rim.
             let hidden = edge.z * side < 0.0;
@@ -230,7 +333,7 @@ fn paint_sun(
             disc.place(if hidden {
                 flat.normalize_or_zero()
             } else {
-                edge
+                *edge
             })
         })
         .collect();
@@ -240,15 +343,11 @@ fn paint_sun(
         fill.gamma_multiply(0.35),
         line,
     ));
-    let at = disc.place(towards);
+    let at = disc.place(spot.towards);
     let outline = Stroke::new(1.5, Color32::from_gray(0x20));
-    let core = if side < 0.0 {
-        Color32::TRANSPARENT
-    } else {
-        fill
-    };
+    let core = if is_below { Color32::TRANSPARENT } else { fill };
     painter.circle(at, 4.5, core, outline);
-    if side < 0.0 {
+    if is_below {
         painter.circle_stroke(at, 4.5, Stroke::new(2.0, fill));
     }
     if is_selected {
@@ -275,12 +374,12 @@ fn sky(environment: &Environment) -> [[f64; 3]; 3] {
 /// A matt gray sphere in that light, seen from above.
 fn shaded(shading: &Shading) -> ColorImage {
     let [zenith, horizon, ground] = shading.sky;
-    let suns: Vec<(DVec3, [f64; 3])> = shading
-        .suns
+    let lamps: Vec<(DVec3, [f64; 3])> = shading
+        .spots
         .iter()
-        .map(|sun| {
-            let strength = sun.irradiance / std::f64::consts::PI;
-            (direction(sun), sun.colour.linear().map(|c| c * strength))
+        .map(|spot| {
+            let strength = spot.irradiance / std::f64::consts::PI;
+            (spot.towards, spot.colour.linear().map(|c| c * strength))
         })
         .collect();
     let colour = |x: f64, y: f64| -> Color32 {
@@ -291,10 +390,10 @@ fn shaded(shading: &Shading) -> ColorImage {
         let light: [f64; 3] = std::array::from_fn(|c| {
             let around = 0.5 * (horizon[c] + 0.5 * (zenith[c] + ground[c]));
             let from_sky = around + up * (0.5 * (zenith[c] + horizon[c]) - around);
-            let from_suns = suns
+            let from_lamps = lamps
                 .iter()
                 .map(|(towards, light)| light[c] * normal.dot(*towards).max(0.0));
-            0.6 * (from_sky + from_suns.sum::<f64>())
+            0.6 * (from_sky + from_lamps.sum::<f64>())
         });
         let Colour([r, g, b]) = Colour::from_linear(light);
         // One pixel of softness at the rim.

@@ -221,6 +221,7 @@ impl Look {
                     ..Environment::default()
                 },
                 background: self.ground(),
+                ..Light::default()
             },
             view: View::default(),
             quality: Quality {

@@ -130,7 +130,7 @@ impl Panels {
                     4 => turbulence::show(ui, &mut self.turbulence, design, around),
                     5 => skeleton::show(ui, &mut design.skeleton),
                     6 => form::show(ui, &mut self.form, design, around.commands),
-                    7 => light::show(ui, &mut self.light, &mut design.light, around),
+                    7 => light::show(ui, &mut self.light, design, around),
                     _ => view_quality::show(ui, design, around),
                 });
                 if is_open != was_open {

@@ -1,7 +1,7 @@
-//! Lights to begin with: a press replaces suns and surroundings, one step of the history. The background stays.
+//! Lights to begin with: a press replaces suns, area lights and surroundings, one step of the history. The background stays.
 
 use egui::{Button, Ui};
-use renderer_core::design::{Colour, Environment, EnvironmentKind, Light, Sun};
+use renderer_core::design::{AreaLight, Colour, Design, Environment, EnvironmentKind, Light, Sun};
 
 /// A light by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,8 +41,15 @@ impl ReadyLight {
         }
     }
 
-    /// `light` with these suns and surroundings.
-    pub fn applied_to(self, light: &Light) -> Light {
+    /// The light of `design` with these suns, area lights and surroundings. Area lights are as large and as far away for any cloth
+    /// as that is large.
+    pub fn applied_to(self, design: &Design) -> Light {
+        let sheet = &design.sheet;
+        let sides = [
+            f64::from(sheet.warps) * sheet.pitch_x(),
+            f64::from(sheet.wefts) * sheet.pitch_y(),
+        ];
+        let cloth_mm = sides[0].max(sides[1]);
         let sky = |radiance, zenith, horizon, ground| Environment {
             kind: EnvironmentKind::Gradient,
             radiance,
@@ -58,41 +65,60 @@ impl ReadyLight {
             angular_diameter,
             colour: Colour(colour),
         };
-        let (suns, environment) = match self {
+        // Azimuth and elevation, irradiance; distance, width and height in cloths.
+        let area = |[azimuth, elevation, irradiance]: [f64; 3], in_cloths: [f64; 3], colour| {
+            let [distance, width, height] =
+                in_cloths.map(|share| (0.1 * share * cloth_mm).ceil() * 10.0);
+            AreaLight {
+                azimuth,
+                elevation,
+                distance: distance.max(design.nearest_area_mm(azimuth, elevation)),
+                width,
+                height,
+                irradiance,
+                colour: Colour(colour),
+            }
+        };
+        let (suns, areas, environment) = match self {
             Self::Noon => (
                 vec![sun([110.0, 68.0, 2.6, 0.5], [255, 250, 240])],
+                Vec::new(),
                 sky(0.45, [150, 190, 255], [235, 242, 255], [120, 112, 100]),
             ),
             Self::Window => (
-                vec![sun([180.0, 30.0, 2.2, 50.0], [240, 246, 255])],
+                Vec::new(),
+                vec![area([180.0, 28.0, 2.6], [3.0, 2.0, 3.2], [232, 242, 255])],
                 sky(0.3, [255, 250, 242], [255, 246, 232], [150, 140, 128]),
             ),
             Self::Softbox => (
+                Vec::new(),
                 vec![
-                    sun([135.0, 55.0, 1.8, 60.0], [255, 255, 255]),
-                    sun([-40.0, 40.0, 0.8, 60.0], [255, 255, 255]),
+                    area([135.0, 58.0, 1.7], [2.5, 2.4, 2.4], [255, 255, 255]),
+                    area([-35.0, 40.0, 0.7], [3.0, 2.4, 3.2], [255, 255, 255]),
                 ],
                 sky(0.35, [255, 255, 255], [255, 255, 255], [200, 200, 200]),
             ),
             Self::Evening => (
                 vec![sun([200.0, 15.0, 4.5, 2.0], [255, 196, 134])],
+                Vec::new(),
                 sky(0.6, [110, 140, 210], [255, 214, 170], [90, 84, 80]),
             ),
         };
         Light {
             sun: suns,
+            area: areas,
             environment,
-            background: light.background,
+            background: design.light.background,
         }
     }
 }
 
 /// A line of buttons; the light whose button was pressed.
-pub fn show(ui: &mut Ui, light: &mut Light) -> Option<ReadyLight> {
+pub fn show(ui: &mut Ui, design: &mut Design) -> Option<ReadyLight> {
     let mut pressed = None;
     ui.horizontal_wrapped(|ui| {
         for ready in ReadyLight::ALL {
-            let is_on = ready.applied_to(light) == *light;
+            let is_on = ready.applied_to(design) == design.light;
             let button = ui.add(Button::new(ready.name()).selected(is_on));
             if button.on_hover_text(ready.what()).clicked() {
                 pressed = Some(ready);
@@ -100,7 +126,7 @@ pub fn show(ui: &mut Ui, light: &mut Light) -> Option<ReadyLight> {
         }
     });
     if let Some(ready) = pressed {
-        *light = ready.applied_to(light);
+        design.light = ready.applied_to(design);
     }
     pressed
 }

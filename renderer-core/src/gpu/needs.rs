@@ -39,6 +39,8 @@ pub struct SceneNeeds {
     pub owen: bool,
     /// How it varies: `SKY_*`.
     pub sky: u32,
+    /// Directions to it are drawn by its light.
+    pub drawn_sky: bool,
     /// First samples may take their shadows from a cache, which the device has room for.
     pub cached_shadows: bool,
     /// Depth, normal and albedo are accumulated.
@@ -87,6 +89,7 @@ impl SceneNeeds {
                 Sky::Image { .. } if environment => layout::SKY_IMAGE,
                 _ => layout::SKY_UNIFORM,
             },
+            drawn_sky: environment && scene.lights.sky.drawn().is_some(),
             cached_shadows: false,
             aov: settings.aov,
             counters: settings.counters,
@@ -138,6 +141,7 @@ impl SceneNeeds {
             flag("SHADOWS", self.shadows),
             flag("OWEN", self.owen),
             ("SKY", self.sky.into()),
+            flag("DRAWN_SKY", self.drawn_sky),
             flag("CACHED_SHADOWS", self.cached_shadows),
             flag("AOV", self.aov),
             flag("COUNTERS", self.counters),

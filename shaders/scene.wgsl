@@ -131,7 +131,8 @@ struct SceneConstants {
 @group(0) @binding(8) var tangents_a: texture_3d<f32>;
 @group(0) @binding(9) var tangents_b: texture_3d<f32>;
 @group(0) @binding(10) var voxel_sampler: sampler;
-// SKY_IMAGE: equirectangular, row 0 at the zenith.
+// SKY_IMAGE: equirectangular, row 0 at the zenith. w: the share of its row's light up to a texel and with it; behind the
+// last texel that of the light of the upper half and of the lower half up to a row, counted from the pole.
 @group(0) @binding(11) var sky_picture: texture_2d<f32>;
 // BENT: in rows of FORM_ROW, world positions of the lower and the upper end of the facets' corners, then least and greatest
 // corners of boxes.

@@ -18,6 +18,10 @@ const SKELETON_PAPER: u32 = 2u;
 const SKY_UNIFORM: u32 = 0u;
 const SKY_GRADIENT: u32 = 1u;
 const SKY_IMAGE: u32 = 2u;
+// Columns of sums of light beside SKY_IMAGE's picture.
+const SKY_SUMS: u32 = 2u;
+// Share of the directions to a drawn sky that follow the phase.
+const PHASE_SHARE: f32 = 0.25;
 
 const SHADING_LAMBERT: u32 = 0u;
 const SHADING_PHONG: u32 = 1u;
@@ -79,6 +83,8 @@ override SHADOWS: bool = true;
 override OWEN: bool = true;
 // How the environment varies with direction: SKY_*.
 override SKY: u32 = 0u;
+// Directions to it are drawn by its light, which no path meets by itself then.
+override DRAWN_SKY: bool = false;
 // First samples may take their shadows from a cache.
 override CACHED_SHADOWS: bool = false;
 // The cloth is bent, or pulled by a net.

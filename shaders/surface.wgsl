@@ -50,6 +50,13 @@ struct DrawnFromSurface {
     weight: f32,
 }
 
+fn phong_density(normal: vec3<f32>, towards_eye: vec3<f32>, direction: vec3<f32>) -> f32 {
+    let p = scene.skeleton_exponent;
+    let cosine = max(dot(normal, direction), 0.0);
+    let lobe = 0.5 * (p + 1.0) * power(dot(mirrored(normal, towards_eye), direction), p);
+    return mix(cosine, lobe, scene.skeleton_specular) / PI;
+}
+
 // By the diffuse part or by the highlight, weighed by the density of both together.
 fn phong_direction(normal: vec3<f32>, towards_eye: vec3<f32>, u: vec2<f32>) -> DrawnFromSurface {
     let p = scene.skeleton_exponent;
@@ -62,9 +69,7 @@ fn phong_direction(normal: vec3<f32>, towards_eye: vec3<f32>, u: vec2<f32>) -> D
         let rest = clamp((u.x - diffuse) / max(scene.skeleton_specular, 1.0e-6), 0.0, 1.0);
         direction = power_lobe(peak, p, vec2<f32>(rest, u.y));
     }
-    let cosine = max(dot(normal, direction), 0.0);
-    let lobe = 0.5 * (p + 1.0) * power(dot(peak, direction), p);
-    let density = mix(cosine, lobe, scene.skeleton_specular) / PI;
+    let density = phong_density(normal, towards_eye, direction);
     return DrawnFromSurface(direction, phong(normal, towards_eye, direction) / max(density, 1.0e-20));
 }
 

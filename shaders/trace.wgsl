@@ -79,9 +79,9 @@ fn scatter_in(
 // Step 6: what arrives at a point from the lights and is scattered towards the eye.
 fn lit(at: Scatter, turn: Turn, towards_eye: vec3<f32>, bounce: u32, seed: u32, sample: u32, random: ptr<function, Pcg>) -> vec3<f32> {
     var sum = vec3<f32>();
-    // `tracked`, and later scatterings, meet the environment where a path escapes.
+    // `tracked`, and later scatterings, meet the environment where a path escapes, unless it is drawn.
     let closing = CLOSING && bounce == slice.closing_bounce;
-    let sky = ENVIRONMENT && (closing || (METHOD != METHOD_TRACKED && bounce == 1u));
+    let sky = ENVIRONMENT && (DRAWN_SKY || closing || (METHOD != METHOD_TRACKED && bounce == 1u));
     let lamps = SUN_COUNT + AREA_COUNT;
     let lights = lamps + u32(sky);
     let cached = CACHED_SHADOWS && sample < slice.cached_shadows;
@@ -98,13 +98,15 @@ fn lit(at: Scatter, turn: Turn, towards_eye: vec3<f32>, bounce: u32, seed: u32, 
         // By the light itself, and by bounced light that comes evenly from all sides.
         var share: vec3<f32>;
         var even_share: vec3<f32>;
+        // Directions by a sky's light see other shadows than those by the phase.
+        let known = entry + i + u32(DRAWN_SKY && !is_lamp && u.x >= PHASE_SHARE);
         if is_lamp {
             let light = from_lamp(i, at, u.xy);
             towards_light = sheet_from_world(turn, light.direction);
             share = scattered(at, towards_eye, towards_light) * light.irradiance;
             even_share = at.albedo * light.irradiance * (0.25 / PI);
         } else {
-            let drawn = draw_sky_direction(at, towards_eye, u);
+            let drawn = draw_sky(at, turn, towards_eye, u);
             towards_light = drawn.direction;
             share = drawn.weight * environment_radiance(world_from_sheet(turn, drawn.direction));
             even_share = share;
@@ -113,7 +115,7 @@ fn lit(at: Scatter, turn: Turn, towards_eye: vec3<f32>, bounce: u32, seed: u32, 
             // As direct light needs it, and as bounced light does.
             var visible = vec2<f32>(-1.0);
             if cached {
-                visible = known_shadow(entry + i, random);
+                visible = known_shadow(known, random);
                 if COUNTERS && visible.x >= 0.0 {
                     count_cached_rays += 1u;
                 }
@@ -121,7 +123,7 @@ fn lit(at: Scatter, turn: Turn, towards_eye: vec3<f32>, bounce: u32, seed: u32, 
             if visible.x < 0.0 {
                 visible = vec2<f32>(visibility(at, world_from_sheet(turn, towards_light), bounce, random));
                 if cached {
-                    learn_shadow(entry + i, visible.x);
+                    learn_shadow(known, visible.x);
                 }
             }
             sum += share * visible.x;
@@ -147,7 +149,7 @@ fn trace_path(camera_ray: Ray, film: vec4<f32>, seed: u32, sample: u32) -> Path 
             path = Path(vec3<f32>(), at);
         } else if at.what == NOTHING {
             // After the first scattering of `single` and `layered` the environment has been counted already.
-            if SHADOWS && (METHOD == METHOD_TRACKED || bounce > 2u) {
+            if SHADOWS && !DRAWN_SKY && (METHOD == METHOD_TRACKED || bounce > 2u) {
                 path.radiance += throughput * environment_radiance(ray.direction);
             }
             break;
@@ -166,14 +168,14 @@ fn trace_path(camera_ray: Ray, film: vec4<f32>, seed: u32, sample: u32) -> Path 
         if METHOD != METHOD_TRACKED && !LONG_PATHS {
             break;
         }
-        if bounce == slice.bounces && !ENVIRONMENT {
+        if bounce == slice.bounces && (!ENVIRONMENT || DRAWN_SKY) {
             break;
         }
         let onward = sample_set(seed, sample, set_at(bounce, SET_ONWARD));
         let drawn = draw_direction(at, towards_eye, onward.xy);
         let onward_direction = world_from_sheet(turn, drawn.direction);
         throughput *= drawn.weight;
-        if !SHADOWS && (METHOD == METHOD_TRACKED || bounce > 1u) {
+        if !SHADOWS && !DRAWN_SKY && (METHOD == METHOD_TRACKED || bounce > 1u) {
             // Nothing is between the point and the environment: no ray needs to find out.
             path.radiance += throughput * environment_radiance(onward_direction);
             if bounce == slice.bounces {

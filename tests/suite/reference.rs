@@ -4,6 +4,7 @@ mod areas;
 mod backends;
 mod cloth;
 mod compositing;
+mod drawn_sky;
 mod energy;
 mod light;
 mod marching;

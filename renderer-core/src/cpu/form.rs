@@ -74,6 +74,12 @@ pub(super) struct BentWay<'a> {
 }
 
 impl Tracer {
+    /// How the directions of a vertex of bent cloth are turned into the world's.
+    #[inline(always)]
+    pub(super) fn turn_of(&self, vertex: &Vertex) -> Option<DMat3> {
+        (self.cloth.scene.form.is_some()).then_some(vertex.world_from_sheet)
+    }
+
     /// The stretches of a ray.
     #[inline(always)]
     pub(super) fn way(&self, ray: &Ray, start: Start) -> Way<'_> {

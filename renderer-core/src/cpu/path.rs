@@ -2,7 +2,8 @@
 //!
 //! The method decides how the camera's ray and the shadow rays from its first point gather light; from there on paths are
 //! tracked. Environment light comes by its own shadow ray at the first point of all methods but `tracked` and where a path is
-//! closed, everywhere else by the onward ray if that leaves the cloth: never by both.
+//! closed, everywhere else by the onward ray if that leaves the cloth: never by both. A sky whose light tells where to look
+//! ([`Sky::drawn`](crate::scene::Sky::drawn)) is reached by a shadow ray everywhere.
 
 use std::f64::consts::FRAC_1_PI;
 
@@ -73,6 +74,7 @@ impl<'a> PathTracer<'a> {
         let lights = &tracer.cloth.scene.lights;
         let closing_bounce = settings.closing_bounce();
         let has_environment = lights.environment != [0.0; 3];
+        let is_drawn = lights.sky.drawn().is_some();
         let [x, y, pick, _] = self.random(Set::Film);
         let [column, row] = pixel.map(f64::from);
         let (origin, direction) = tracer
@@ -112,7 +114,7 @@ impl<'a> PathTracer<'a> {
             let gather = Gather {
                 bounce,
                 composited,
-                sees_sky: has_environment && (composited || closing),
+                sees_sky: has_environment && (composited || closing || is_drawn),
                 orders: if closing {
                     settings.bounces - bounce
                 } else {
@@ -120,7 +122,7 @@ impl<'a> PathTracer<'a> {
                 },
             };
             radiance += throughput * vertex.albedo * self.light::<L>(&vertex, view, gather);
-            let follows_environment = has_environment && !composited;
+            let follows_environment = has_environment && !composited && !is_drawn;
             if closing || bounce == settings.bounces && !follows_environment {
                 break;
             }
@@ -171,6 +173,7 @@ impl<'a> PathTracer<'a> {
         for number in 0..lamps + usize::from(gather.sees_sky) {
             let lamp = Lamp::of(lights, number, bounce);
             // The light's radiance times the phase over the direction's density, and its mean over all directions.
+            let mut entry_of_light = number;
             let (direction, scattered, unhindered) = if let Some((lamp, set)) = lamp {
                 let [u, v, ..] = self.random(set);
                 let (world, irradiance) = lamp.towards(point, [u, v]);
@@ -184,15 +187,17 @@ impl<'a> PathTracer<'a> {
             } else {
                 let [u, v, side, _] = self.random(Set::Environment { bounce });
                 let sides = [1.0_f64.copysign(vertex.position.z), tracer.cloth.looks_down];
-                let (direction, weight) = (tracer.cloth.optics).sample_environment(
+                let drawn = (tracer.cloth.optics).sample_sky(
+                    &lights.sky,
                     vertex.lobe,
                     view,
                     sides,
                     [u, v, side],
+                    tracer.turn_of(vertex),
                 );
-                let world = vertex.world_from_sheet * direction;
-                let light = environment_radiance(lights, world) * weight;
-                (direction, light, light)
+                entry_of_light += usize::from(drawn.by_light);
+                let light = environment_radiance(lights, drawn.in_world) * drawn.weight;
+                (drawn.direction, light, light)
             };
             if scattered == DVec3::ZERO && orders == 0 {
                 continue;
@@ -200,7 +205,7 @@ impl<'a> PathTracer<'a> {
             let up = (direction.z * vertex.position.z.signum()).max(0.0);
             let bounced = |visibility| unhindered * bounced(visibility, up, vertex.albedo, orders);
             if let Some((cache, entry)) = cache
-                && let Some(seen) = cache.seen(entry + number, || self.pcg.next_float())
+                && let Some(seen) = cache.seen(entry + entry_of_light, || self.pcg.next_float())
             {
                 self.scratch.counters.cached_rays += 1;
                 sum += scattered * seen.direct;
@@ -218,7 +223,7 @@ impl<'a> PathTracer<'a> {
                 tracer.tracked_visibility::<L>(&ray, Start::Cloth, &mut self.pcg, self.scratch)
             };
             if let Some((cache, entry)) = cache {
-                cache.add(entry + number, Seen::by(visibility));
+                cache.add(entry + entry_of_light, Seen::by(visibility));
             }
             sum += scattered * visibility;
             if orders > 0 {

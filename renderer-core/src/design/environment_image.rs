@@ -5,6 +5,8 @@
 
 use std::sync::Arc;
 
+use super::EnvironmentLight;
+
 /// A picture of the surroundings, row 0 at the zenith.
 #[derive(Clone)]
 pub struct EnvironmentImage {
@@ -12,6 +14,7 @@ pub struct EnvironmentImage {
     height: usize,
     /// Linear red, green and blue, row by row.
     pixels: Arc<[[f32; 3]]>,
+    light: EnvironmentLight,
     file_width: usize,
     mended: usize,
 }
@@ -95,6 +98,20 @@ impl EnvironmentImage {
         self.pixels[y * self.width + x]
     }
 
+    /// Where its light comes from.
+    pub fn light(&self) -> &EnvironmentLight {
+        &self.light
+    }
+
+    /// The same picture, which renderers look at by the phase alone however uneven its light: what looking by its light is held
+    /// against.
+    pub fn drawn_by_phase(&self) -> Self {
+        Self {
+            light: self.light.taken_as_even(),
+            ..self.clone()
+        }
+    }
+
     /// Width and height of the file in pixels.
     pub fn file_size(&self) -> [usize; 2] {
         [self.file_width, self.file_width / 2]
@@ -109,6 +126,7 @@ impl EnvironmentImage {
 impl PartialEq for EnvironmentImage {
     fn eq(&self, other: &Self) -> bool {
         (self.file_width, self.mended) == (other.file_width, other.mended)
+            && self.light.is_uneven() == other.light.is_uneven()
             && (Arc::ptr_eq(&self.pixels, &other.pixels) || self.pixels == other.pixels)
     }
 }
@@ -188,10 +206,13 @@ impl EnvironmentReader {
         if let Some([x, y]) = self.not_a_number {
             return Err(EnvironmentFault::NotANumber { x, y });
         }
+        let (width, height) = (self.kept_width, self.kept_width / 2);
+        let pixels: Arc<[_]> = self.sums.iter().map(|sum| sum.map(|c| c as f32)).collect();
         Ok(EnvironmentImage {
-            width: self.kept_width,
-            height: self.kept_width / 2,
-            pixels: self.sums.iter().map(|sum| sum.map(|c| c as f32)).collect(),
+            width,
+            height,
+            light: EnvironmentLight::new(width, height, &pixels),
+            pixels,
             file_width: self.width,
             mended: self.mended,
         })

@@ -7,6 +7,7 @@ pub mod chart_edit;
 mod chart_image;
 mod colour;
 mod environment_image;
+mod environment_light;
 mod fields;
 mod pattern;
 pub mod preset;
@@ -17,6 +18,7 @@ mod shape;
 pub use chart_image::{ChartImage, OPAQUE_FROM, TILE, Tile};
 pub use colour::{Colour, linear_to_srgb, srgb_to_linear};
 pub use environment_image::{EnvironmentFault, EnvironmentImage, EnvironmentReader};
+pub use environment_light::EnvironmentLight;
 pub use fields::{Fault, Field, Numbers, Warning};
 pub use pattern::{Anchor, Keep, NewCells, Pattern, STITCHES, Stitch};
 pub use ready_patterns::{READY_PATTERNS, ReadyPattern};
@@ -187,6 +189,9 @@ impl Design {
         let skeleton = &self.skeleton;
         let ground = skeleton.warp_radius.max(skeleton.weft_radius) + skeleton.crimp;
         let reach = self.reach_mm();
+        if let Some(radius) = self.form.radius_mm(&self.sheet) {
+            return (radius + reach + ground).ceil();
+        }
         let half_sides = [
             0.5 * f64::from(self.sheet.warps) * self.sheet.pitch_x(),
             0.5 * f64::from(self.sheet.wefts) * self.sheet.pitch_y(),

@@ -621,6 +621,26 @@ impl Form {
     /// Farthest that a point of a net may be from the middle along each axis, mm.
     pub const FARTHEST_MM: f64 = 1e5;
 
+    /// Farthest that the ground weave of bent cloth can be from the origin, mm; `None` for level cloth.
+    pub fn radius_mm(&self, sheet: &Sheet) -> Option<f64> {
+        let width = f64::from(sheet.warps) * sheet.pitch_x();
+        let length = f64::from(sheet.wefts) * sheet.pitch_y();
+        // A curve that reaches from side to side of a box is no shorter than the box's diagonal.
+        let bent = 0.5 * width.hypot(length);
+        match self.kind {
+            FormKind::Flat => None,
+            FormKind::Wave | FormKind::Roll | FormKind::Stack => Some(bent),
+            // Folds come out of the plane by less than a fifth of their length.
+            FormKind::Hanging => Some(bent + 0.2 * self.wavelength),
+            // The surface stays between the points that pull it.
+            FormKind::Net => {
+                let points = self.net.iter().flatten();
+                let farthest = points.map(|[x, y, z]| x.hypot(*y).hypot(*z));
+                Some(farthest.fold(0.0, f64::max))
+            }
+        }
+    }
+
     pub(super) fn push_faults(&self, faults: &mut Vec<Fault>) {
         self.push_range_faults("form", faults);
         let mut fault = |path: String, value: String, allowed: String| {

@@ -74,6 +74,8 @@ constants! {
     SKY_GRADIENT = 1;
     /// SKY for a picture.
     SKY_IMAGE = 2;
+    /// Columns of sums beside the picture.
+    SKY_SUMS = 2;
     /// SHADING for `lambert`.
     SHADING_LAMBERT = 0;
     /// SHADING for `phong`.

@@ -39,6 +39,8 @@ pub struct SceneNeeds {
     pub owen: bool,
     /// How it varies: `SKY_*`.
     pub sky: u32,
+    /// Directions to it are drawn by its light.
+    pub drawn_sky: bool,
     /// First samples may take their shadows from a cache, which the device has room for.
     pub cached_shadows: bool,
     /// The cloth is bent.
@@ -89,6 +91,7 @@ impl SceneNeeds {
                 Sky::Image { .. } if environment => layout::SKY_IMAGE,
                 _ => layout::SKY_UNIFORM,
             },
+            drawn_sky: environment && scene.lights.sky.drawn().is_some(),
             cached_shadows: false,
             bent: scene.form.is_some(),
             aov: settings.aov,
@@ -141,6 +144,7 @@ impl SceneNeeds {
             flag("SHADOWS", self.shadows),
             flag("OWEN", self.owen),
             ("SKY", self.sky.into()),
+            flag("DRAWN_SKY", self.drawn_sky),
             flag("CACHED_SHADOWS", self.cached_shadows),
             flag("BENT", self.bent),
             flag("AOV", self.aov),

@@ -9,7 +9,7 @@ use crate::scene::{FormMesh, PileOptics, Scene, Skeleton, Sky, Volumes};
 use super::GpuContext;
 use super::layout::{
     AreaLight, FORM_ROW, HIGHLIGHT_INTERVALS, MAX_AREAS, MAX_MATERIALS, MAX_SUNS, Material,
-    STITCH_FAR, STITCH_HERE, STITCH_LEFT, STITCH_NEAR, STITCH_RIGHT, SceneConstants, Sun,
+    SKY_SUMS, STITCH_FAR, STITCH_HERE, STITCH_LEFT, STITCH_NEAR, STITCH_RIGHT, SceneConstants, Sun,
 };
 use super::{highlight, pipelines::Pipelines};
 
@@ -273,17 +273,24 @@ fn same_picture(a: &Scene, b: &Scene) -> bool {
     }
 }
 
-/// The picture of the sky in f32, since a sun in it may be too bright for less; a tiny one where there is none.
+/// The picture of the sky in f32, since a sun in it may be too bright for less; a tiny one where there is none. Beside each texel
+/// its row's light up to it; in two more columns the upper half's and the lower half's light up to each of their rows.
 fn sky_texture(context: &GpuContext, sky: &Sky) -> wgpu::Texture {
-    let (size, texels): (_, Vec<[f32; 4]>) = match sky {
-        Sky::Image { image, .. } => (
-            [image.width() as u32, image.height() as u32, 1],
-            image
-                .pixels()
-                .iter()
-                .map(|&[r, g, b]| [r, g, b, 0.0])
-                .collect(),
-        ),
+    let (size, texels) = match sky {
+        Sky::Image { image, .. } => {
+            let light = image.light();
+            let rows = image.pixels().chunks_exact(image.width());
+            let sums = light.in_row().chunks_exact(image.width());
+            let mut texels: Vec<[f32; 4]> = Vec::new();
+            for (y, (row, sums)) in rows.zip(sums).enumerate() {
+                let row = row.iter().zip(sums);
+                texels.extend(row.map(|(&[r, g, b], &sum)| [r, g, b, sum]));
+                let of_row = |half| light.of_rows(half).get(y).copied().unwrap_or(1.0);
+                texels.extend([0, 1].map(|half| [0.0, 0.0, 0.0, of_row(half)]));
+            }
+            let width = image.width() as u32 + SKY_SUMS;
+            ([width, image.height() as u32, 1], texels)
+        }
         Sky::Uniform | Sky::Gradient { .. } => ([1; 3], Vec::new()),
     };
     texture(

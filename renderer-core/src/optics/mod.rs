@@ -10,6 +10,6 @@ mod surface;
 
 pub use bounced::{Seen, bounced};
 pub use lamps::Lamp;
-pub use scatter::{Lobe, Optics, Vertex};
+pub use scatter::{FromSky, Lobe, Optics, Vertex};
 pub use sky::environment_radiance;
 pub use surface::SurfaceOptics;

@@ -16,7 +16,7 @@ use super::SurfaceOptics;
 use crate::design::Phase;
 use crate::geometry::Ray;
 use crate::sampling::directions;
-use crate::scene::{Material, PileOptics, Skeleton};
+use crate::scene::{Material, PileOptics, Skeleton, Sky};
 
 /// How one point scatters.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,6 +74,22 @@ impl Lobe {
         }
     }
 }
+
+/// A direction to the sky, drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FromSky {
+    /// Unit vector in sheet space.
+    pub direction: DVec3,
+    /// The same in the world.
+    pub in_world: DVec3,
+    /// ψ/albedo over its density.
+    pub weight: f64,
+    /// Drawn by the sky's light, not by the phase.
+    pub by_light: bool,
+}
+
+/// The largest f32 below 1.
+const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
 /// A point that scatters light.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -241,10 +257,86 @@ impl Optics {
         }
     }
 
-    /// A direction of light from the environment, from three numbers in [0, 1), and ψ/albedo over its density, for a point on
-    /// the side of the sheet that `up` = ±1 tells. Points that scatter equally look to the other side in the share `down`
-    /// only: see [`Skeleton::worth_looking_down`].
-    pub fn sample_environment(
+    /// A direction of light from `sky`, from three numbers in [0, 1), for a point on the side of the sheet that `up` = ±1 tells.
+    /// It follows the phase, and that of a drawn sky mostly the sky's light (one-sample balance heuristic: Veach 1997, §9.2.4).
+    /// Points that scatter equally look to the other side in the share `down` only: see [`Skeleton::worth_looking_down`].
+    /// `turn` tells how bent cloth lies there: it may see as much of the lower half of the sky as of the upper.
+    #[inline(always)]
+    pub fn sample_sky(
+        &self,
+        sky: &Sky,
+        lobe: Lobe,
+        view: DVec3,
+        sides: [f64; 2],
+        [u, v, side]: [f64; 3],
+        turn: Option<DMat3>,
+    ) -> FromSky {
+        let into_world = |direction: DVec3| turn.map_or(direction, |turn| turn * direction);
+        let Some((light, middle)) = sky.drawn() else {
+            let (direction, weight) = self.sample_environment(lobe, view, sides, [u, v, side]);
+            return FromSky {
+                direction,
+                in_world: into_world(direction),
+                weight,
+                by_light: false,
+            };
+        };
+        let [up, down] = sides;
+        let down_in_world = if turn.is_some() { 0.5 } else { down };
+        // One number chooses between the two and goes on in its part, so that each of them is spread evenly. In f32, since the
+        // texel that it finds must be the same on all devices.
+        let (share, rest) = (Sky::PHASE_SHARE, 1.0 - Sky::PHASE_SHARE);
+        let by_light = u as f32 >= share;
+        let (direction, in_world) = if by_light {
+            let below = (side < down_in_world) != (up < 0.0);
+            let u = (u as f32 - share) * (1.0 / rest);
+            let in_world = light.direction(below, [u.min(BELOW_ONE), v as f32], middle);
+            let direction = turn.map_or(in_world, |turn| turn.transpose() * in_world);
+            (direction, in_world)
+        } else {
+            let u = u / f64::from(share);
+            let direction = match lobe {
+                // What draws fibres cannot tell its density.
+                Lobe::Fibres { normal, .. } => directions::cosine_hemisphere(normal, u, v),
+                _ => self.sample_environment(lobe, view, sides, [u, v, side]).0,
+            };
+            (direction, into_world(direction))
+        };
+        let half = |direction: DVec3, down: f64| {
+            if direction.z * up < 0.0 {
+                down
+            } else {
+                1.0 - down
+            }
+        };
+        let by_phase = match lobe {
+            Lobe::Isotropic => half(direction, down) * 0.5 * FRAC_1_PI,
+            _ => self.density(lobe, view, direction),
+        };
+        let of_light = half(in_world, down_in_world) * light.density(in_world, middle);
+        let density = f64::from(share) * by_phase + f64::from(rest) * of_light;
+        FromSky {
+            direction,
+            in_world,
+            weight: self.value(lobe, view, direction) / density.max(1e-20),
+            by_light,
+        }
+    }
+
+    /// The density of [`Self::sample`], per sr; of fibres that of a Lambertian surface.
+    fn density(&self, lobe: Lobe, view: DVec3, direction: DVec3) -> f64 {
+        match lobe {
+            Lobe::Isotropic | Lobe::Fibre { .. } => 0.25 * FRAC_1_PI,
+            Lobe::Frame { .. } | Lobe::Gradient { .. } | Lobe::Surface(_) => {
+                self.value(lobe, view, direction)
+            }
+            Lobe::Phong(normal) => self.surface.phong_density(normal, view, direction),
+            Lobe::Fibres { normal, .. } => normal.dot(direction).max(0.0) * FRAC_1_PI,
+        }
+    }
+
+    /// The same by the phase alone.
+    fn sample_environment(
         &self,
         lobe: Lobe,
         view: DVec3,

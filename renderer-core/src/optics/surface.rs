@@ -127,12 +127,18 @@ impl SurfaceOptics {
             let u = (u - diffuse) / self.specular;
             directions::power_lobe(peak, self.exponent, u, v)
         };
-        let cosine = normal.dot(direction).max(0.0);
-        let lobe = peak.dot(direction).max(0.0).powf(self.exponent);
-        let density =
-            diffuse * cosine * FRAC_1_PI + self.specular * (self.exponent + 1.0) / TAU * lobe;
+        let density = self.phong_density(normal, view, direction);
         let value = self.phong(normal, view, direction);
         (direction, if value > 0.0 { value / density } else { 0.0 })
+    }
+
+    /// The density of [`Self::sample_phong`], per sr.
+    pub fn phong_density(&self, normal: DVec3, view: DVec3, direction: DVec3) -> f64 {
+        let diffuse = 1.0 - self.specular;
+        let cosine = normal.dot(direction).max(0.0);
+        let peak = mirrored(normal, view);
+        let lobe = peak.dot(direction).max(0.0).powf(self.exponent);
+        diffuse * cosine * FRAC_1_PI + self.specular * (self.exponent + 1.0) / TAU * lobe
     }
 
     /// `poulin_fournier` with fibres along the unit vector `along`.

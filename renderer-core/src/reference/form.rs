@@ -69,6 +69,11 @@ impl Tracer {
         stretch.place(self.skeleton_vertex(&stretch.ray, hit))
     }
 
+    /// How the directions of a vertex of bent cloth are turned into the world's.
+    pub(super) fn turn_of(&self, vertex: &Vertex) -> Option<DMat3> {
+        (self.scene.form.is_some()).then_some(vertex.world_from_sheet)
+    }
+
     /// The ray in world space that leaves a vertex towards a direction of the sheet.
     pub(super) fn leave(&self, vertex: &Vertex, direction: DVec3, offset_mm: f64) -> Ray {
         let ray = vertex.leave(direction, offset_mm);

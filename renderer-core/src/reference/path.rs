@@ -3,7 +3,8 @@
 //! The method decides how the camera's ray and the shadow rays from its first point gather light; from there on, with
 //! more than one bounce, paths are tracked. `tracked` is tracked from the camera on. Environment light comes by its own
 //! shadow ray at the first point of all methods but `tracked`, and everywhere else by the onward ray if that
-//! leaves the cloth: never by both.
+//! leaves the cloth: never by both. A sky whose light tells where to look ([`Sky::drawn`](crate::scene::Sky::drawn)) is
+//! reached by a shadow ray everywhere.
 
 use std::f64::consts::FRAC_1_PI;
 
@@ -12,7 +13,7 @@ use glam::{DVec2, DVec3};
 use super::{Scratch, Tracer};
 use crate::design::Method;
 use crate::geometry::Ray;
-use crate::optics::{Lamp, Vertex, bounced, environment_radiance};
+use crate::optics::{FromSky, Lamp, Vertex, bounced, environment_radiance};
 use crate::render::accumulation::{FirstHit, Sample};
 use crate::sampling::{self, Pcg, Set};
 
@@ -110,6 +111,7 @@ impl<'a> PathTracer<'a> {
         let bounces = tracer.settings.bounces;
         let lights = &tracer.scene.lights;
         let closing_bounce = tracer.settings.closing_bounce();
+        let is_drawn = lights.sky.drawn().is_some();
         let mut throughput = DVec3::ONE;
         let mut radiance = DVec3::ZERO;
         for bounce in 1..=bounces {
@@ -122,7 +124,7 @@ impl<'a> PathTracer<'a> {
                 orders: if closing { bounces - bounce } else { 0 },
             };
             let mut light = self.lamplight(&vertex, view, gather);
-            if composited || closing {
+            if composited || closing || is_drawn {
                 light += self.skylight(&vertex, view, gather);
             }
             radiance += throughput * vertex.albedo * light;
@@ -130,7 +132,7 @@ impl<'a> PathTracer<'a> {
                 break;
             }
 
-            let gathers_environment = !composited && lights.environment != [0.0; 3];
+            let gathers_environment = !composited && !is_drawn && lights.environment != [0.0; 3];
             // Without shadows the environment's light needs no ray to find out whether it arrives.
             let follows_environment = gathers_environment && tracer.settings.shadows;
             if bounce == bounces && !gathers_environment {
@@ -205,8 +207,10 @@ impl<'a> PathTracer<'a> {
         let scene = &tracer.scene;
         let down = scene.skeleton.worth_looking_down(&scene.sheet);
         let sides = [1.0_f64.copysign(vertex.position.z), f64::from(down)];
-        let (direction, weight) =
-            (tracer.optics).sample_environment(vertex.lobe, view, sides, [u, v, side]);
+        let turn = tracer.turn_of(vertex);
+        let FromSky {
+            direction, weight, ..
+        } = (tracer.optics).sample_sky(&lights.sky, vertex.lobe, view, sides, [u, v, side], turn);
         let towards = tracer.leave(vertex, direction, SURFACE_OFFSET_MM);
         let visibility = self.visibility(&towards, gather.composited);
         let by_bounces = gather.by_bounces(vertex, direction, visibility);

@@ -64,7 +64,8 @@ pub struct ShadowGrid {
     pub layers_below: u32,
     /// Height of a layer, mm.
     pub layer_mm: f64,
-    /// Lights: suns and area lights, then the environment.
+    /// Lights: suns and area lights, then the environment; of a sky that is drawn, directions that follow the phase and those
+    /// that follow its light see other shadows, and are two.
     pub lights: u32,
     /// Cells of the sheet, and their size, mm.
     cells: [u32; 2],
@@ -114,7 +115,7 @@ impl ShadowGrid {
             shift,
             layers_below: below,
             layer_mm,
-            lights: scene.lights.lamps() as u32 + 1,
+            lights: scene.lights.lamps() as u32 + 1 + u32::from(scene.lights.sky.drawn().is_some()),
             cells,
             pitch_mm,
         }

@@ -67,13 +67,13 @@ fn every_part_writes_its_table_and_plots() {
             "-o",
             "out",
             "--what",
-            "costs,skips,backends,growth,first-picture",
+            "costs,skips,backends,growth,first-picture,lights",
             "--size",
             "24x20",
             "--window",
             "64x48",
             "--budget",
-            "12",
+            "16",
             "--backend",
             "cpu",
         ],
@@ -92,7 +92,14 @@ fn every_part_writes_its_table_and_plots() {
     .iter()
     .flat_map(|plot| [format!("plain-{plot}.png"), format!("plain-{plot}.svg")])
     .collect();
-    let tables = ["backends", "costs", "first-picture", "growth", "skips"];
+    let tables = [
+        "backends",
+        "costs",
+        "first-picture",
+        "growth",
+        "lights",
+        "skips",
+    ];
     expected.extend(tables.map(|table| format!("{table}.csv")));
     expected.push("summary.md".into());
     expected.sort();
@@ -110,6 +117,18 @@ fn every_part_writes_its_table_and_plots() {
     }
     let widths = first.numbers("picture width [px]");
     assert!(widths.iter().all(|width| (1.0..=64.0).contains(width)));
+
+    let lights = Table::read(&out.join("lights.csv"));
+    assert_eq!(lights.column("measured"), ["yes"; 6]);
+    let noise = lights.numbers("noise of these [relRMSE]");
+    let of = |name: &str| {
+        let row = lights
+            .column("light")
+            .iter()
+            .position(|light| *light == name);
+        noise[row.unwrap_or_else(|| panic!("no light {name}"))]
+    };
+    assert!(of("an area light") > 0.0 && of("a small sun") > 0.0);
 
     let costs = Table::read(&out.join("costs.csv"));
     let shares = costs.numbers("share");
@@ -136,6 +155,7 @@ fn every_part_writes_its_table_and_plots() {
         "## plain: with and without each skip",
         "| `idle` | not measured: it has no switch",
         "## plain: each backend",
+        "## plain: each kind of light",
         "## plain: growth",
         "## plain: from an edit to its first picture",
         "One sample of all 64 × 48 pixels",

@@ -19,7 +19,7 @@ use crate::support::scenes::{request as request_of, small_towel};
 
 /// A picture of the surroundings made from directions: row 0 at the zenith, the middle towards +y, azimuths falling from
 /// left to right, as one sees who stands on the cloth and looks over its far edge.
-fn picture(width: usize, light: impl Fn(DVec3) -> [f32; 3]) -> EnvironmentImage {
+pub fn picture(width: usize, light: impl Fn(DVec3) -> [f32; 3]) -> EnvironmentImage {
     let height = width / 2;
     let mut reader = EnvironmentReader::new(width, height).unwrap();
     for y in 0..height {
@@ -34,7 +34,7 @@ fn picture(width: usize, light: impl Fn(DVec3) -> [f32; 3]) -> EnvironmentImage 
 }
 
 /// White on one side, black on the other; fine enough that the blend at the border is nothing (10⁻⁵ of the light).
-fn half(white: impl Fn(DVec3) -> bool) -> EnvironmentImage {
+pub fn half(white: impl Fn(DVec3) -> bool) -> EnvironmentImage {
     picture(256, |direction| [f32::from(u8::from(white(direction))); 3])
 }
 

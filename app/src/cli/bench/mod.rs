@@ -6,6 +6,7 @@
 //! backends       the same picture by each backend
 //! growth         loops from a thousand to a million, and pixels
 //! first-picture  from each kind of edit to the first picture in the window
+//! lights         each kind of light on the same cloth: time and noise
 //! costs          the stages between an edit and a whole picture: which is the largest
 //! ```
 //!
@@ -18,6 +19,7 @@ pub mod csv;
 mod drawing;
 pub mod first_picture;
 pub mod growth;
+pub mod lights;
 pub mod measure;
 pub mod pareto;
 pub mod parts;
@@ -111,6 +113,8 @@ pub struct Measured {
     pub growth: Option<growth::Growth>,
     /// For each kind of edit.
     pub first_pictures: Option<first_picture::FirstPictures>,
+    /// For each kind of light.
+    pub lights: Vec<lights::Line>,
     /// For each stage.
     pub costs: Vec<costs::Cost>,
 }
@@ -214,6 +218,9 @@ impl Bench<'_> {
                     let window = conditions.window;
                     let found = first_picture::measure(design, self.choice, window, until, say)?;
                     measured.first_pictures = Some(found);
+                }
+                Part::Lights => {
+                    measured.lights = lights::measure(design, backend, conditions, until, say)?;
                 }
                 Part::Costs => {
                     let window = conditions.window;

@@ -15,18 +15,21 @@ pub enum Part {
     Growth,
     /// From an edit to the first coarse picture in the window, for each kind of edit.
     FirstPicture,
+    /// Kinds of light on the same cloth: time and noise.
+    Lights,
     /// Where the time from an edit to a whole picture goes.
     Costs,
 }
 
 impl Part {
     /// All of them, in the order in which they are measured.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Errors,
         Self::Skips,
         Self::Backends,
         Self::Growth,
         Self::FirstPicture,
+        Self::Lights,
         Self::Costs,
     ];
 
@@ -35,7 +38,7 @@ impl Part {
         match self {
             Self::Errors => 6.0,
             Self::Skips | Self::Growth | Self::FirstPicture => 4.0,
-            Self::Backends | Self::Costs => 2.0,
+            Self::Backends | Self::Lights | Self::Costs => 2.0,
         }
     }
 }

@@ -4,7 +4,9 @@ use std::path::Path;
 
 use super::parts::Part;
 use super::plot::{Figure, Plot};
-use super::{Conditions, Measured, backends, costs, csv, first_picture, growth, skips, summary};
+use super::{
+    Conditions, Measured, backends, costs, csv, first_picture, growth, lights, skips, summary,
+};
 use crate::files;
 
 /// The table of a part.
@@ -15,6 +17,7 @@ fn table_name(part: Part) -> &'static str {
         Part::Backends => "backends.csv",
         Part::Growth => "growth.csv",
         Part::FirstPicture => "first-picture.csv",
+        Part::Lights => "lights.csv",
         Part::Costs => "costs.csv",
     }
 }
@@ -42,6 +45,7 @@ pub fn write(
             Part::Backends => backends::csv(all, conditions),
             Part::Growth => growth::csv(all, conditions),
             Part::FirstPicture => first_picture::csv(all),
+            Part::Lights => lights::csv(all, conditions),
             Part::Costs => costs::csv(all),
         };
         files::write_atomically(&folder.join(table_name(*part)), text.as_bytes())?;

@@ -33,9 +33,9 @@ impl ReadyLight {
     fn what(self) -> &'static str {
         match self {
             Self::Noon => "A high, hard sun under a blue sky: sharp shadows between the loops.",
-            Self::Window => "Soft light from the left, as in a room by day.",
+            Self::Window => "A tall window on the left and a little cool light from all around.",
             Self::Softbox => {
-                "A large soft light and a weaker one opposite, as for a catalogue: even, hardly any shadow."
+                "A large softbox and a weaker one opposite, as for a catalogue: even, hardly any shadow."
             }
             Self::Evening => "A low, warm sun from the side: every loop throws a long shadow.",
         }
@@ -81,22 +81,22 @@ impl ReadyLight {
         };
         let (suns, areas, environment) = match self {
             Self::Noon => (
-                vec![sun([110.0, 68.0, 2.6, 0.5], [255, 250, 240])],
+                vec![sun([110.0, 68.0, 3.2, 0.5], [255, 246, 230])],
                 Vec::new(),
-                sky(0.45, [150, 190, 255], [235, 242, 255], [120, 112, 100]),
+                sky(0.35, [176, 206, 255], [240, 245, 255], [120, 112, 100]),
             ),
             Self::Window => (
                 Vec::new(),
-                vec![area([180.0, 28.0, 2.6], [3.0, 2.0, 3.2], [232, 242, 255])],
-                sky(0.3, [255, 250, 242], [255, 246, 232], [150, 140, 128]),
+                vec![area([180.0, 28.0, 3.8], [3.0, 1.6, 3.2], [255, 252, 247])],
+                sky(0.36, [226, 236, 255], [242, 246, 255], [160, 154, 144]),
             ),
             Self::Softbox => (
                 Vec::new(),
                 vec![
-                    area([135.0, 58.0, 1.7], [2.5, 2.4, 2.4], [255, 255, 255]),
-                    area([-35.0, 40.0, 0.7], [3.0, 2.4, 3.2], [255, 255, 255]),
+                    area([135.0, 55.0, 2.1], [2.5, 2.4, 2.4], [255, 255, 255]),
+                    area([-35.0, 40.0, 0.8], [3.0, 2.4, 3.2], [255, 255, 255]),
                 ],
-                sky(0.35, [255, 255, 255], [255, 255, 255], [200, 200, 200]),
+                sky(0.38, [255, 255, 255], [255, 255, 255], [200, 200, 200]),
             ),
             Self::Evening => (
                 vec![sun([200.0, 15.0, 4.5, 2.0], [255, 196, 134])],

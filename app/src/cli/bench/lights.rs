@@ -1,0 +1,225 @@
+//! What kinds of light cost on the same cloth: a sample's time, the noise of some samples, and from both the time to a given noise.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::fmt::Write as _;
+use std::time::{Duration, Instant};
+
+use renderer_core::design::{
+    AreaLight, Design, Environment, EnvironmentImage, EnvironmentKind, EnvironmentReader, Light,
+    Sun,
+};
+use renderer_core::render::Backend;
+use renderer_core::scene::Compiler;
+
+use super::csv::{number, optional, quoted, table};
+use super::drawing::{self, draw};
+use super::summary::seconds;
+use super::{Conditions, Measured};
+use crate::clock::{Spent, cost_is_processor_time};
+
+/// Samples of each picture.
+const SAMPLES: u32 = 32;
+/// The noise to which the time is told, relRMSE.
+const WANTED: f64 = 0.05;
+/// How long a picture may take even where there is no time.
+const LONGEST: Duration = Duration::from_secs(2);
+
+/// A kind of light, and what became of measuring it.
+#[derive(Debug, Clone)]
+pub struct Line {
+    /// Which.
+    pub name: &'static str,
+    /// What was found, or why nothing was.
+    pub found: Result<Found, String>,
+}
+
+/// What a picture in that light costs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Found {
+    /// One sample.
+    pub sample: Spent,
+    /// relRMSE of [`SAMPLES`] of them, as the backend estimates it.
+    pub noise: f64,
+}
+
+impl Found {
+    /// Seconds until the noise is [`WANTED`], by the clock that costs are told by.
+    fn to_wanted(&self, conditions: &Conditions) -> f64 {
+        let one = match self.sample.processor {
+            Some(time) if cost_is_processor_time(conditions.backend) => time,
+            _ => self.sample.wall,
+        };
+        one.as_secs_f64() * f64::from(SAMPLES) * (self.noise / WANTED).powi(2)
+    }
+}
+
+/// The preset's own light, then each kind alone.
+fn lights(design: &Design) -> Vec<(&'static str, Light)> {
+    let (azimuth, elevation, irradiance) = (130.0, 50.0, 3.0);
+    let alone = |sun, area, environment| Light {
+        sun,
+        area,
+        environment,
+        ..design.light.clone()
+    };
+    let dark = Environment {
+        radiance: 0.0,
+        ..Environment::default()
+    };
+    let sun = |angular_diameter| Sun {
+        azimuth,
+        elevation,
+        irradiance,
+        angular_diameter,
+        ..Sun::default()
+    };
+    let distance = (2.0 * design.nearest_area_mm(azimuth, elevation)).max(10.0);
+    let area = AreaLight {
+        azimuth,
+        elevation,
+        irradiance,
+        distance,
+        width: distance,
+        height: distance,
+        ..AreaLight::default()
+    };
+    let picture = |pixels: Option<EnvironmentImage>| {
+        let environment = Environment {
+            kind: EnvironmentKind::Image,
+            image: Some("bench".into()),
+            radiance: 1.0,
+            pixels,
+            ..Environment::default()
+        };
+        alone(Vec::new(), Vec::new(), environment)
+    };
+    let sunny = sky(Some((azimuth, elevation, irradiance)));
+    let by_phase = sunny.as_ref().map(EnvironmentImage::drawn_by_phase);
+    vec![
+        ("the preset's own", design.light.clone()),
+        (
+            "a small sun",
+            alone(vec![sun(0.5)], Vec::new(), dark.clone()),
+        ),
+        ("an area light", alone(Vec::new(), vec![area], dark)),
+        ("an overcast picture", picture(sky(None))),
+        ("a picture with a sun", picture(sunny)),
+        ("the same, looked at by the phase alone", picture(by_phase)),
+    ]
+}
+
+/// A sky three times as bright at the zenith as at the horizon, over dark ground, and maybe with a sun 2° wide in it.
+fn sky(sun: Option<(f64, f64, f64)>) -> Option<EnvironmentImage> {
+    const HEIGHT: usize = 256;
+    let edge = 1.0_f64.to_radians();
+    let mut reader = EnvironmentReader::new(2 * HEIGHT, HEIGHT).ok()?;
+    for y in 0..HEIGHT {
+        let (across, up) = (PI * (y as f64 + 0.5) / HEIGHT as f64).sin_cos();
+        let overcast = if up > 0.0 { 0.3 + 0.6 * up } else { 0.1 };
+        for x in 0..2 * HEIGHT {
+            let azimuth = FRAC_PI_2 + PI - TAU * (x as f64 + 0.5) / (2 * HEIGHT) as f64;
+            let mut light = overcast;
+            if let Some((sun_azimuth, elevation, irradiance)) = sun {
+                let (sine, cosine) = f64::to_radians(elevation).sin_cos();
+                let turned = (azimuth - f64::to_radians(sun_azimuth)).cos();
+                let facing = across * cosine * turned + up * sine;
+                if facing > edge.cos() {
+                    light += irradiance / (PI * edge.sin().powi(2));
+                }
+            }
+            reader.add(x, y, [light as f32; 3]);
+        }
+    }
+    reader.finish().ok()
+}
+
+/// Draws the design in each light.
+///
+/// # Errors
+/// When the backend fails.
+pub fn measure(
+    design: &Design,
+    backend: &mut dyn Backend,
+    conditions: &Conditions,
+    deadline: Instant,
+    mut say: impl FnMut(&str),
+) -> anyhow::Result<Vec<Line>> {
+    let mut compiler = Compiler::default();
+    let mut lines = Vec::new();
+    let all = lights(design);
+    let count = all.len() as u32;
+    for (index, (name, light)) in (0..).zip(all) {
+        say(&format!("light: {name}"));
+        let left = deadline.saturating_duration_since(Instant::now());
+        let until = Instant::now() + (left / (count - index)).max(LONGEST);
+        let lit = Design {
+            light,
+            ..design.clone()
+        };
+        let scene = compiler.compile(&lit)?;
+        let request = drawing::request(&lit, &scene, conditions.size, SAMPLES)?;
+        let drawn = draw(backend, &request, Some(until))?;
+        let found = drawn.ok_or("time was up").and_then(|drawn| {
+            let noise = drawn.estimate.ok_or("its noise is not known")?;
+            let sample = drawing::per_sample(drawn.samples, SAMPLES);
+            Ok(Found { sample, noise })
+        });
+        lines.push(Line {
+            name,
+            found: found.map_err(String::from),
+        });
+    }
+    Ok(lines)
+}
+
+const HEADER: &str = "preset,light,measured,clock time of a sample [s],processor time of a sample [s],samples,\
+    noise of these [relRMSE],time to a noise of 0.05 [s]";
+
+/// The file.
+pub fn csv(all: &[Measured], conditions: &Conditions) -> String {
+    let lines = all
+        .iter()
+        .flat_map(|measured| measured.lights.iter().map(|line| (&measured.name, line)));
+    let line = |(preset, line): (&String, &Line)| {
+        let mut fields = vec![quoted(preset), quoted(line.name)];
+        match &line.found {
+            Err(why) => {
+                fields.push(quoted(&format!("no: {why}")));
+                fields.resize(HEADER.split(',').count(), String::new());
+            }
+            Ok(found) => fields.extend([
+                "yes".into(),
+                number(found.sample.wall.as_secs_f64()),
+                optional(found.sample.processor.map(|time| time.as_secs_f64())),
+                SAMPLES.to_string(),
+                number(found.noise),
+                number(found.to_wanted(conditions)),
+            ]),
+        }
+        fields.join(",")
+    };
+    table(HEADER, lines.map(line))
+}
+
+/// The section of the summary.
+pub fn section(lines: &[Line], conditions: &Conditions) -> String {
+    let mut text = format!(
+        "\n| light | a sample, by the clock | processor time | noise of {SAMPLES} samples | time to a noise of {WANTED} |\n\
+         | --- | --- | --- | --- | --- |\n",
+    );
+    for line in lines {
+        let rest = match &line.found {
+            Err(why) => format!("not measured: {why} | | | "),
+            Ok(found) => format!(
+                "{} | {} | {:.4} | {}",
+                seconds(found.sample.wall.as_secs_f64()),
+                (found.sample.processor)
+                    .map_or_else(|| "–".into(), |time| seconds(time.as_secs_f64())),
+                found.noise,
+                seconds(found.to_wanted(conditions)),
+            ),
+        };
+        let _ = writeln!(text, "| {} | {rest} |", line.name);
+    }
+    text
+}

@@ -56,6 +56,11 @@ fn every_field_survives_writing_and_reading() {
         LengthEntry {
             density: Some(2.5),
             kind: Some(PileKind::Cut),
+            lean_x: Some(-12.5),
+            lean_y: Some(0.0),
+            tilt: Some(1.0 / 3.0),
+            top_width: Some(2.25),
+            yarn_diameter: Some(0.4),
             transmission: Some(0.125),
             specular: Some(1.0),
             exponent: Some(17.5),

@@ -199,6 +199,14 @@ fn rows_of_the_table_change_what_they_name() {
     assert_eq!(edit(|row| row.length = 3.5), ["loops", "volumes"]);
     assert_eq!(edit(|row| row.albedo_scale = 0.5), ["looks"]);
     assert_eq!(edit(|row| row.density = Some(5.0)), ["looks", "pile"]);
+    assert_eq!(edit(|row| row.lean_x = Some(5.0)), ["loops"]);
+    assert_eq!(edit(|row| row.lean_y = Some(5.0)), ["loops"]);
+    assert_eq!(edit(|row| row.tilt = Some(5.0)), ["loops"]);
+    assert_eq!(edit(|row| row.top_width = Some(1.5)), ["loops"]);
+    assert_eq!(
+        edit(|row| row.yarn_diameter = Some(0.5)),
+        ["looks", "volumes", "pile"]
+    );
     assert_eq!(edit(|row| row.transmission = Some(0.2)), ["looks", "pile"]);
     assert_eq!(edit(|row| row.specular = Some(0.2)), ["looks", "pile"]);
     assert_eq!(edit(|row| row.exponent = Some(20.0)), ["looks", "pile"]);

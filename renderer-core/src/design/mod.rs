@@ -169,7 +169,8 @@ impl Design {
     pub fn reach_mm(&self) -> f64 {
         let longest =
             self.length.longest() * (1.0 + self.pile.stretch) * (1.0 + self.pile.length_jitter);
-        let width = self.pile.base_width.max(self.pile.top_width);
+        let tops = self.length.rows().iter().filter_map(|row| row.top_width);
+        let width = tops.fold(self.pile.base_width.max(self.pile.top_width), f64::max);
         longest.min(self.pile.max_length) + width + self.pile.thickness
     }
 

@@ -234,6 +234,21 @@ section! {
             /// Kind of pile instead of `pile.kind`.
             #[serde(skip_serializing_if = "Option::is_none")]
             kind: Option<PileKind> = None;
+            /// Lean along the weft instead of `pile.lean_x`, degrees.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            lean_x: Option<f64> = None;
+            /// Lean along the warp instead of `pile.lean_y`, degrees.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            lean_y: Option<f64> = None;
+            /// How far the turbulence tips loops over instead of `pile.tilt`, degrees.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            tilt: Option<f64> = None;
+            /// Width of a loop at its top instead of `pile.top_width`, mm.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            top_width: Option<f64> = None;
+            /// Thickness of the yarn instead of `pile.yarn_diameter`, mm; what the width and thickness of a loop leave no room for is cut off.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            yarn_diameter: Option<f64> = None;
             /// Share of light that passes through instead of `pile.transmission`, for frame and gradient Lambert.
             #[serde(skip_serializing_if = "Option::is_none")]
             transmission: Option<f64> = None;
@@ -272,14 +287,43 @@ section! {
 
 impl LengthEntry {
     /// The numbers that a row may have instead of the pile's, with the pile's fields; `None` where it has the pile's.
-    pub fn own_numbers(&self) -> [(Field, Option<f64>); 4] {
+    pub fn own_numbers(&self) -> [(Field, Option<f64>); 9] {
         let fields = Pile::FIELDS;
         [
             (fields.density, self.density),
+            (fields.lean_x, self.lean_x),
+            (fields.lean_y, self.lean_y),
+            (fields.tilt, self.tilt),
+            (fields.top_width, self.top_width),
+            (fields.yarn_diameter, self.yarn_diameter),
             (fields.transmission, self.transmission),
             (fields.specular, self.specular),
             (fields.exponent, self.exponent),
         ]
+    }
+
+    /// Whether its loops stand in another way than the pile's.
+    pub fn has_own_frame(&self) -> bool {
+        [self.lean_x, self.lean_y, self.tilt, self.top_width]
+            .iter()
+            .any(Option::is_some)
+    }
+
+    /// The pile with what loops of this row have of their own.
+    pub fn of_pile(&self, pile: &Pile) -> Pile {
+        Pile {
+            density: self.density.unwrap_or(pile.density),
+            lean_x: self.lean_x.unwrap_or(pile.lean_x),
+            lean_y: self.lean_y.unwrap_or(pile.lean_y),
+            tilt: self.tilt.unwrap_or(pile.tilt),
+            top_width: self.top_width.unwrap_or(pile.top_width),
+            yarn_diameter: self.yarn_diameter.unwrap_or(pile.yarn_diameter),
+            transmission: self.transmission.unwrap_or(pile.transmission),
+            specular: self.specular.unwrap_or(pile.specular),
+            exponent: self.exponent.unwrap_or(pile.exponent),
+            kind: self.kind.unwrap_or(pile.kind),
+            ..pile.clone()
+        }
     }
 }
 
@@ -288,6 +332,14 @@ impl Length {
     pub const MAX_ROWS: usize = 64;
     /// Most points of the curve.
     pub const MAX_POINTS: usize = 32;
+
+    /// The rows that loops follow: none unless lengths come from the table.
+    pub fn rows(&self) -> &[LengthEntry] {
+        match self.map {
+            LengthMap::Lut => &self.table,
+            LengthMap::Constant | LengthMap::Gray => &[],
+        }
+    }
 
     /// The longest loop the map can give, before stretch, mm.
     pub fn longest(&self) -> f64 {

@@ -21,9 +21,9 @@ use std::time::Instant;
 
 use super::cancel::{Cancel, Cancelled};
 use super::chart::ChartOnSheet;
-use super::frames::FrameSettings;
+use super::frames::FrameRules;
 use super::grid::{self, NoGrid};
-use super::length::{CellLengths, LengthRule};
+use super::length::Cells;
 use super::looks::{Materials, looks};
 use super::plant::{Frames, LoopsInputs};
 use super::report::{CompileReport, timed};
@@ -116,7 +116,7 @@ pub struct Compiler {
     skips: Skips,
     /// The last whole scene.
     scene: Option<Arc<Scene>>,
-    lengths: Option<(LengthsInputs, CellLengths)>,
+    cells: Option<(CellsInputs, Cells)>,
     turbulence: Option<(TurbulenceInputs, Arc<TurbulenceField>)>,
     loops: Option<(LoopsInputs, Section<Loops>)>,
     looks: Option<(LooksOfLoops, Section<Vec<LoopLook>>)>,
@@ -139,12 +139,12 @@ type LooksOfLoops = (LooksInputs, Section<Loops>);
 /// Everything that the turbulence follows from.
 type TurbulenceInputs = (SheetGeometry, Turbulence);
 
-/// Everything that the lengths of cells follow from.
+/// Everything that follows from the chart in each cell for frames.
 #[derive(Debug, Clone, PartialEq)]
-struct LengthsInputs {
+struct CellsInputs {
     chart: Chart,
     length: Length,
-    cells: [u32; 2],
+    sheet: SheetGeometry,
 }
 
 /// Everything that the looks follow from, besides which loops there are.
@@ -163,7 +163,8 @@ struct LooksInputs {
 #[derive(Debug, Clone, PartialEq)]
 struct VolumesInputs {
     pile: Pile,
-    kinds: Vec<PileKind>,
+    /// Kinds of pile, and the diameter of the yarn of each, mm.
+    yarns: Vec<(PileKind, f64)>,
     /// That of the longest loop there may be. Arch, twist and stray fibres are drawn in mm, so that this shows in every voxel; an
     /// edit of lengths that leaves the longest alone keeps the volumes.
     reference_length_mm: f64,
@@ -326,32 +327,27 @@ impl Compiler {
             sheet,
             weave: design.weave.clone(),
             roots: RootHeights::new(&skeleton, &sheet, design.pile.base_width),
-            lengths: self.lengths_of(design, &sheet),
-            frames: FrameSettings::new(&design.pile),
+            cells: self.cells_of(design, sheet),
+            frames: FrameRules::new(design),
             turbulence: design.turbulence.clone(),
         }
     }
 
-    fn lengths_of(&mut self, design: &Design, sheet: &SheetGeometry) -> CellLengths {
-        let inputs = LengthsInputs {
+    fn cells_of(&mut self, design: &Design, sheet: SheetGeometry) -> Cells {
+        let inputs = CellsInputs {
             chart: design.chart.clone(),
             length: design.length.clone(),
-            cells: [sheet.warps, sheet.wefts],
+            sheet,
         };
-        if let Some(lengths) = kept(self.lengths.as_ref(), &inputs) {
-            return lengths;
+        if let Some(cells) = kept(self.cells.as_ref(), &inputs) {
+            return cells;
         }
-        let lengths = timed(&mut self.report.seconds.lengths, || {
+        let cells = timed(&mut self.report.seconds.lengths, || {
             let chart = ChartOnSheet::new(&design.chart, sheet.warps, sheet.wefts);
-            CellLengths::new(
-                &LengthRule::new(&design.length),
-                &chart,
-                sheet.warps,
-                sheet.wefts,
-            )
+            Cells::new(&design.length, &chart, &sheet)
         });
-        self.lengths = Some((inputs, lengths.clone()));
-        lengths
+        self.cells = Some((inputs, cells.clone()));
+        cells
     }
 
     fn build_loops(
@@ -463,6 +459,9 @@ impl VolumesInputs {
         let reference_length_mm = design.length.longest().min(design.pile.max_length);
         let pile = Pile {
             top_width: defaults.top_width,
+            // Materials tell the kinds and diameters.
+            kind: defaults.kind,
+            yarn_diameter: defaults.yarn_diameter,
             density: defaults.density,
             max_albedo: defaults.max_albedo,
             max_length: defaults.max_length,
@@ -486,12 +485,12 @@ impl VolumesInputs {
         };
         Self {
             pile,
-            kinds: materials.kinds.clone(),
+            yarns: materials.yarns.clone(),
             reference_length_mm,
         }
     }
 
     fn build(&self, cancel: &Cancel<'_>) -> Volumes {
-        rasterise_unless_cancelled(&self.pile, &self.kinds, self.reference_length_mm, cancel)
+        rasterise_unless_cancelled(&self.pile, &self.yarns, self.reference_length_mm, cancel)
     }
 }

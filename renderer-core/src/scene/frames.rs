@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use super::skeleton::Face;
 use super::{LoopCounts, LoopPatch};
-use crate::design::Pile;
+use crate::design::{Design, LengthEntry, Pile};
 use crate::sampling::{hash_with, unit_float};
 
 /// Steepest lean, radians.
@@ -81,6 +81,43 @@ impl FrameSettings {
     /// width to the root's are moved towards 1 where they are.
     pub(super) fn half_top_mm(&self, step_mm: f64) -> f64 {
         0.5 * self.top_ratio.max(1.0) * self.base_width.hypot(step_mm)
+    }
+}
+
+/// The settings of a design's loops: of the pile, or of each row of the length table where rows have their own.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct FrameRules(Vec<FrameSettings>);
+
+impl FrameRules {
+    pub(super) fn new(design: &Design) -> Self {
+        let (pile, rows) = (&design.pile, design.length.rows());
+        if rows.iter().any(LengthEntry::has_own_frame) {
+            let of_row = |row: &LengthEntry| FrameSettings::new(&row.of_pile(pile));
+            Self(rows.iter().map(of_row).collect())
+        } else {
+            Self(vec![FrameSettings::new(pile)])
+        }
+    }
+
+    /// Settings of a row, 0 where rows have none of their own.
+    pub(super) fn of_row(&self, row: usize) -> &FrameSettings {
+        &self.0[row]
+    }
+
+    /// Settings of all rows.
+    pub(super) fn all(&self) -> &[FrameSettings] {
+        &self.0
+    }
+
+    /// What is the same in all rows: width at the root, thickness, and all that turbulence and chance do but tilt.
+    pub(super) fn common(&self) -> &FrameSettings {
+        &self.0[0]
+    }
+
+    /// The longest that half the top edge of any loop gets: [`FrameSettings::half_top_mm`].
+    pub(super) fn half_top_mm(&self, step_mm: f64) -> f64 {
+        let rows = self.0.iter().map(|row| row.half_top_mm(step_mm));
+        rows.fold(0.0, f64::max)
     }
 }
 

@@ -7,59 +7,55 @@ use super::chart::ChartOnSheet;
 use super::frames::loop_hash;
 use super::length::{ColourCache, LengthRule};
 use super::{Cancel, LoopLook, Loops, Material, PileOptics, SheetGeometry};
-use crate::design::{Colour, Design, LengthMap, PileKind};
+use crate::design::{Colour, Design, Pile, PileKind};
 use crate::sampling::hash_with;
 
 /// The materials of a design, and which of them each row of its length table uses.
 pub(super) struct Materials {
     pub(super) list: Vec<Material>,
-    pub(super) kinds: Vec<PileKind>,
+    /// What volumes are drawn of, each with the diameter of its yarn, mm.
+    pub(super) yarns: Vec<(PileKind, f64)>,
     of_row: Vec<u8>,
 }
 
 impl Materials {
     pub(super) fn new(design: &Design) -> Self {
         let pile = &design.pile;
-        let mut kinds = vec![pile.kind];
-        let mut list = vec![Material {
+        let mut materials = Self {
+            list: Vec::new(),
+            yarns: Vec::new(),
+            of_row: Vec::new(),
+        };
+        materials.index_of(pile);
+        let rows = design.length.rows().iter();
+        materials.of_row = rows
+            .map(|row| materials.index_of(&row.of_pile(pile)))
+            .collect();
+        materials
+    }
+
+    /// The material of a pile, which is added if it is new.
+    fn index_of(&mut self, pile: &Pile) -> u8 {
+        let yarn = (pile.kind, pile.yarn_diameter);
+        let material = Material {
             density_per_mm: pile.density as f32,
-            kind: 0,
+            kind: index_or_push(&mut self.yarns, yarn) as u32,
             transmission: pile.transmission as f32,
             specular: pile.specular as f32,
             exponent: pile.exponent as f32,
-        }];
-        let rows = match design.length.map {
-            LengthMap::Lut => design.length.table.as_slice(),
-            LengthMap::Constant | LengthMap::Gray => &[],
         };
-        let of_row = rows
-            .iter()
-            .map(|row| {
-                let wanted = row.kind.unwrap_or(pile.kind);
-                let kind = kinds.iter().position(|&kind| kind == wanted);
-                let material = Material {
-                    density_per_mm: row.density.unwrap_or(pile.density) as f32,
-                    kind: kind.unwrap_or(kinds.len()) as u32,
-                    transmission: row.transmission.unwrap_or(pile.transmission) as f32,
-                    specular: row.specular.unwrap_or(pile.specular) as f32,
-                    exponent: row.exponent.unwrap_or(pile.exponent) as f32,
-                };
-                if kind.is_none() {
-                    kinds.push(wanted);
-                }
-                let known = list.iter().position(|&known| known == material);
-                if known.is_none() {
-                    list.push(material);
-                }
-                known.unwrap_or(list.len() - 1) as u8
-            })
-            .collect();
-        Self {
-            list,
-            kinds,
-            of_row,
-        }
+        index_or_push(&mut self.list, material) as u8
     }
+}
+
+/// Where a value is in a list, to which it is added if it is new.
+fn index_or_push<T: PartialEq>(list: &mut Vec<T>, value: T) -> usize {
+    list.iter()
+        .position(|known| *known == value)
+        .unwrap_or_else(|| {
+            list.push(value);
+            list.len() - 1
+        })
 }
 
 impl PileOptics {

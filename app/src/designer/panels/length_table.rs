@@ -56,7 +56,7 @@ fn line(ui: &mut Ui, state: &mut State, index: usize, entry: &mut LengthEntry) -
             .accessible_name(format!("More of row {row}"));
         if more
             .on_hover_text(
-                "What else loops of this colour can have of their own: brightness, density.",
+                "What else loops of this colour can have of their own: brightness, yarn, lean, width.",
             )
             .clicked()
         {
@@ -108,11 +108,36 @@ fn more(ui: &mut Ui, entry: &mut LengthEntry, pile: &Pile) {
         optional_number(ui, name, field, value, of_pile, otherwise.trim());
     };
     own(
+        "Own yarn",
+        &of_pile.yarn_diameter,
+        &mut entry.yarn_diameter,
+        pile.yarn_diameter,
+    );
+    own(
         "Own density",
         &of_pile.density,
         &mut entry.density,
         pile.density,
     );
+    own(
+        "Own top width",
+        &of_pile.top_width,
+        &mut entry.top_width,
+        pile.top_width,
+    );
+    own(
+        "Own lean x",
+        &of_pile.lean_x,
+        &mut entry.lean_x,
+        pile.lean_x,
+    );
+    own(
+        "Own lean y",
+        &of_pile.lean_y,
+        &mut entry.lean_y,
+        pile.lean_y,
+    );
+    own("Own tilt", &of_pile.tilt, &mut entry.tilt, pile.tilt);
     // Only the parameters that the pile's way of scattering has; a row keeps the others for when it changes.
     match pile.phase {
         Phase::Isotropic => {}

@@ -29,7 +29,7 @@ const TILE_PIXELS: u32 = 256u;
 // Threads of a workgroup, in every entry point.
 const WORKGROUP: u32 = 64u;
 const MAX_SUNS: u32 = 8u;
-const MAX_MATERIALS: u32 = 65u;
+const MAX_MATERIALS: u32 = 130u;
 // Intervals of the table of N_p over [0, π/2].
 const HIGHLIGHT_INTERVALS: u32 = 256u;
 // Independent scrambles of the random sequence, and so accumulators of each pixel (MODEL.md §10).

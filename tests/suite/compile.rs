@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use renderer_core::design::{
-    Back, ChartImage, Design, Filter, Fit, LengthMap, NoiseKind, Pattern, preset,
+    Back, ChartImage, Design, Filter, Fit, LengthMap, NoiseKind, Pattern, Sheared, preset,
 };
 use renderer_core::render::{Skip, Skips};
 use renderer_core::sampling::Pcg;
@@ -61,6 +61,9 @@ fn designs() -> Vec<(&'static str, Design)> {
             "no twist, no stretch",
             with(|d| (d.pile.twist, d.pile.stretch) = (0.0, 0.0)),
         ),
+        ("shorn", with(|d| d.finish.sheared = Sheared::Both)),
+        ("pulled", with(|d| d.finish.pulled = 0.3)),
+        ("wet", with(|d| d.finish.wetness = 1.0)),
         ("transparent chart", transparent),
         ("lengths of zero", black),
     ]
@@ -155,8 +158,15 @@ fn no_loop_is_beyond_the_reach() {
             ("pile.thickness", 0.05, 2.0),
             ("length.value", 0.1, 6.0),
             ("skeleton.crimp", 0.0, 1.0),
+            ("finish.pulled", -1.0, 1.0),
+            ("finish.pulled_length", 0.0, 6.0),
+            ("finish.wetness", -1.0, 1.0),
         ] {
-            let value = low + (high - low) * f64::from(random.next_float());
+            let mut value = low + (high - low) * f64::from(random.next_float());
+            if path.starts_with("finish") {
+                // Half of the designs have none of it.
+                value = value.max(0.0);
+            }
             design = preset::set(&design, path, &value.to_string()).unwrap();
         }
         let reach = PileReach::of(&design);

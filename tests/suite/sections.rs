@@ -36,12 +36,13 @@ fn changed_by(base: &Design, edit: impl FnOnce(&mut Design)) -> Vec<&'static str
 
 /// Every number of the design: its path, a value that differs, and the sections that must change.
 fn every_number(design: &Design) -> Vec<(String, f64, &'static [&'static str])> {
-    let sections: [(&str, &dyn Numbers); 10] = [
+    let sections: [(&str, &dyn Numbers); 11] = [
         ("sheet", &design.sheet),
         ("chart", &design.chart),
         ("length", &design.length),
         ("pile", &design.pile),
         ("turbulence", &design.turbulence),
+        ("finish", &design.finish),
         ("skeleton", &design.skeleton),
         ("light.sun[0]", &design.light.sun[0]),
         ("light.environment", &design.light.environment),
@@ -74,6 +75,10 @@ fn every_number(design: &Design) -> Vec<(String, f64, &'static [&'static str])> 
                 ("pile", _) => &["loops"],
                 ("turbulence", "seed") => &["loops", "looks"],
                 ("turbulence", _) => &["loops"],
+                ("finish", "wetness") => &["loops", "looks", "volumes", "pile", "skeleton"],
+                ("finish", "pulled") => &["loops"],
+                // Nothing is shorn, pulled or wet.
+                ("finish", _) => &[],
                 // No root stands on a weft here.
                 ("skeleton", "weft_radius" | "specular" | "exponent" | "fibre_spacing") => {
                     &["skeleton"]
@@ -129,6 +134,11 @@ fn choices_change_their_sections_and_no_other() {
         ("pile.interpolation", "nearest", &["volumes"]),
         ("turbulence.kind", "worley", &["loops"]),
         ("turbulence.filter", "box", &["loops"]),
+        (
+            "finish.sheared",
+            "front",
+            &["loops", "looks", "volumes", "pile"],
+        ),
         ("skeleton.height", "paper", &["loops", "skeleton"]),
         ("skeleton.shading", "phong", &["skeleton"]),
         ("skeleton.colour", "#803020", &["looks", "skeleton"]),
@@ -294,6 +304,7 @@ fn everything_is_finite_at_the_ends_of_all_ranges() {
             ("length", &small().length as &dyn Numbers),
             ("pile", &small().pile),
             ("turbulence", &small().turbulence),
+            ("finish", &small().finish),
             ("skeleton", &small().skeleton),
             ("light.sun[0]", &small().light.sun[0]),
         ] {

@@ -23,6 +23,8 @@ pub fn describe(before: &Design, after: &Design) -> String {
             .or_else(|| other(before.pile != after.pile, "kind of pile")),
         numbers("turbulence", &before.turbulence, &after.turbulence)
             .or_else(|| other(before.turbulence != after.turbulence, "kind of turbulence")),
+        numbers("finish", &before.finish, &after.finish)
+            .or_else(|| other(before.finish != after.finish, "shorn faces")),
         numbers("skeleton", &before.skeleton, &after.skeleton)
             .or_else(|| other(before.skeleton != after.skeleton, "look of the skeleton")),
         light(before, after),

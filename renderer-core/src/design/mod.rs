@@ -44,6 +44,8 @@ pub struct Design {
     pub pile: Pile,
     /// The smooth disorder of the loops.
     pub turbulence: Turbulence,
+    /// What happens to the loops after weaving.
+    pub finish: Finish,
     /// The ground weave's yarns.
     pub skeleton: SkeletonDesign,
     /// Lights and background.
@@ -71,6 +73,11 @@ impl Shaped for Design {
                 "turbulence",
                 "The smooth disorder of the loops.",
                 Turbulence::shape(),
+            ),
+            section(
+                "finish",
+                "What happens to the loops after weaving: shears, wear and water.",
+                Finish::shape(),
             ),
             section(
                 "skeleton",
@@ -101,6 +108,7 @@ impl Design {
         self.length.push_faults(&mut faults);
         self.pile.push_range_faults("pile", &mut faults);
         self.turbulence.push_range_faults("turbulence", &mut faults);
+        self.finish.push_range_faults("finish", &mut faults);
         self.skeleton.push_range_faults("skeleton", &mut faults);
         self.light.push_faults(&mut faults);
         self.view.push_faults(&mut faults);
@@ -168,7 +176,8 @@ impl Design {
     /// The farthest that any part of a loop can be from its cell's centre, mm.
     pub fn reach_mm(&self) -> f64 {
         let longest =
-            self.length.longest() * (1.0 + self.pile.stretch) * (1.0 + self.pile.length_jitter);
+            self.length.longest() * (1.0 + self.pile.stretch) * (1.0 + self.pile.length_jitter)
+                + self.finish.longer_mm();
         let tops = self.length.rows().iter().filter_map(|row| row.top_width);
         let width = tops.fold(self.pile.base_width.max(self.pile.top_width), f64::max);
         longest.min(self.pile.max_length) + width + self.pile.thickness

@@ -1,5 +1,5 @@
 //! The sections of a design, one struct each, in the order one designs: sheet, weave, chart, length, pile, turbulence,
-//! skeleton, light, view, quality. Field names are those of preset files.
+//! finish, skeleton, light, view, quality. Field names are those of preset files.
 //!
 //! Longer than most files because it is the one list of all editable fields.
 
@@ -550,6 +550,53 @@ section! {
             kind: NoiseKind = NoiseKind::Fbm;
             /// Smoothing over neighbouring cells.
             filter: Filter = Filter::None;
+        }
+    }
+}
+
+choice! {
+    /// Which faces of the cloth are shorn.
+    Sheared {
+        /// Neither face.
+        None = "neither face",
+        /// The front is shorn: the usual velour towel, terry on its back.
+        Front = "front",
+        /// The back is shorn.
+        Back = "back",
+        /// Both faces are shorn.
+        Both = "both faces",
+    }
+}
+
+section! {
+    /// What happens to the loops after weaving: shears, wear and water.
+    Finish, FinishFields {
+        numbers {
+            /// Height over the ground weave's middle at which shears cut; loops that reach it become tufts of even height, lower ones stay loops.
+            shear_height: f64 = 2.0, 0.05..=100.0, "mm";
+            /// Share of loops that are pulled out of the cloth; shorn tufts are not.
+            pulled: f64 = 0.0, 0.0..=1.0, "";
+            /// By how much pulled loops are longer; `pile.max_length` still holds.
+            pulled_length: f64 = 4.0, 0.0..=50.0, "mm";
+            /// How wet the cloth is, 1 soaked: darker, and its loops thinner and gathered in clumps.
+            wetness: f64 = 0.0, 0.0..=1.0, "";
+            /// Distance of the clumps that water gathers loops in.
+            clump_size: f64 = 4.0, 0.1..=200.0, "mm";
+        }
+        others {
+            /// Which faces of the cloth are shorn.
+            sheared: Sheared = Sheared::None;
+        }
+    }
+}
+
+impl Finish {
+    /// By how much loops get longer at most, mm.
+    pub fn longer_mm(&self) -> f64 {
+        if self.pulled > 0.0 {
+            self.pulled_length
+        } else {
+            0.0
         }
     }
 }

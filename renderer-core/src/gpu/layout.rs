@@ -89,7 +89,7 @@ constants! {
     /// Most suns.
     MAX_SUNS = 8;
     /// Most materials.
-    MAX_MATERIALS = 65;
+    MAX_MATERIALS = 130;
     /// Intervals of the table of N_p.
     HIGHLIGHT_INTERVALS = 256;
     /// Scrambles of the random sequence.

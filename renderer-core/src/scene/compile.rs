@@ -3,15 +3,15 @@
 //! Each section has inputs; if they equal those of the last design, it keeps its `Arc`. Which parts of a design a section
 //! depends on:
 //!
-//! | section  | sheet | weave | chart, length           | pile             | turbulence | skeleton     | light | quality |
-//! | -------- | ----- | ----- | ----------------------- | ---------------- | ---------- | ------------ | ----- | ------- |
-//! | sheet    | ×     |       |                         |                  |            |              |       |         |
-//! | loops    | ×     | ×     | each cell's length      | shape of frames  | ×          | yarns' shape |       |         |
-//! | looks    | ×     | ×     | colours, table          | optics, variants | seed       | colour       |       | bounces |
-//! | volumes  |       |       | reference length, kinds | yarn, volume     |            |              |       |         |
-//! | pile     |       |       | table                   | phase, density   |            |              |       |         |
-//! | skeleton |       | ×     |                         |                  |            | ×            |       |         |
-//! | lights   |       |       |                         |                  |            |              | ×     |         |
+//! | section  | sheet | weave | chart, length           | pile             | finish         | turbulence | skeleton     | light | quality |
+//! | -------- | ----- | ----- | ----------------------- | ---------------- | -------------- | ---------- | ------------ | ----- | ------- |
+//! | sheet    | ×     |       |                         |                  |                |            |              |       |         |
+//! | loops    | ×     | ×     | each cell's length      | shape of frames  | ×              | ×          | yarns' shape |       |         |
+//! | looks    | ×     | ×     | colours, table          | optics, variants | shears, water  | seed       | colour       |       | bounces |
+//! | volumes  |       |       | reference length, kinds | yarn, volume     | whether, water |            |              |       |         |
+//! | pile     |       |       | table                   | phase, density   | whether, water |            |              |       |         |
+//! | skeleton |       | ×     |                         |                  | water          |            | ×            |       |         |
+//! | lights   |       |       |                         |                  |                |            |              | ×     |         |
 //!
 //! The view and the rest of quality belong to requests; no section depends on them. Sections that are cheap are made
 //! anew and kept when equal; loops, looks and volumes have their inputs compared.
@@ -21,6 +21,7 @@ use std::time::Instant;
 
 use super::cancel::{Cancel, Cancelled};
 use super::chart::ChartOnSheet;
+use super::finish::{Finishing, wet_pile};
 use super::frames::FrameRules;
 use super::grid::{self, NoGrid};
 use super::length::Cells;
@@ -35,7 +36,8 @@ use super::{
     Skeleton, Volumes,
 };
 use crate::design::{
-    Chart, Colour, Design, Fault, Filter, Length, Phase, Pile, PileKind, Turbulence, Warning,
+    Chart, Colour, Design, Fault, Filter, Length, Phase, Pile, PileKind, Sheared, Turbulence,
+    Warning,
 };
 use crate::render::{Skip, Skips};
 
@@ -156,6 +158,9 @@ struct LooksInputs {
     /// How much of the light comes back depends on these two: see `albedo`.
     bounces: u32,
     ground: Colour,
+    wetness: f64,
+    /// At which height follows from the loops.
+    sheared: Sheared,
     seed: u32,
 }
 
@@ -251,7 +256,7 @@ impl Compiler {
         let old = self.scene.clone();
         let old = old.as_deref();
         let sheet = SheetGeometry::new(design);
-        let skeleton = Skeleton::new(&design.weave, &design.skeleton);
+        let skeleton = Skeleton::new(&design.weave, &design.skeleton).wet(design.finish.wetness);
         let materials = Materials::new(design);
         let optics = PileOptics::new(design, &materials);
 
@@ -269,6 +274,8 @@ impl Compiler {
             pile: design.pile.clone(),
             bounces: design.quality.bounces,
             ground: design.skeleton.colour,
+            wetness: design.finish.wetness,
+            sheared: design.finish.sheared,
             seed: design.turbulence.seed,
         };
         let looks_inputs = (looks_inputs, loops.clone());
@@ -329,6 +336,7 @@ impl Compiler {
             roots: RootHeights::new(&skeleton, &sheet, design.pile.base_width),
             cells: self.cells_of(design, sheet),
             frames: FrameRules::new(design),
+            finishing: Finishing::new(design),
             turbulence: design.turbulence.clone(),
         }
     }
@@ -481,7 +489,7 @@ impl VolumesInputs {
                 Phase::KajiyaKay => Phase::KajiyaKay,
                 Phase::Isotropic | Phase::FrameLambert | Phase::GradientLambert => defaults.phase,
             },
-            ..design.pile.clone()
+            ..wet_pile(&design.pile, design.finish.wetness)
         };
         Self {
             pile,

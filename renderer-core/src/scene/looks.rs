@@ -2,12 +2,14 @@
 
 use rayon::prelude::*;
 
-use super::albedo::{AlbedoTable, Dye, albedo_from_reflectance};
+use super::albedo::{AlbedoTable, Dye, wet_albedo_from_reflectance};
 use super::chart::ChartOnSheet;
+use super::finish::{is_shorn, shear_mm, shorn, wet_pile, wet_reflectance};
 use super::frames::loop_hash;
 use super::length::{ColourCache, LengthRule};
+use super::skeleton::Face;
 use super::{Cancel, LoopLook, Loops, Material, PileOptics, SheetGeometry};
-use crate::design::{Colour, Design, Pile, PileKind};
+use crate::design::{Colour, Design, Pile, PileKind, Sheared};
 use crate::sampling::hash_with;
 
 /// The materials of a design, and which of them each row of its length table uses.
@@ -16,6 +18,8 @@ pub(super) struct Materials {
     /// What volumes are drawn of, each with the diameter of its yarn, mm.
     pub(super) yarns: Vec<(PileKind, f64)>,
     of_row: Vec<u8>,
+    /// What becomes of each material where it is shorn.
+    shorn: Vec<u8>,
 }
 
 impl Materials {
@@ -25,12 +29,23 @@ impl Materials {
             list: Vec::new(),
             yarns: Vec::new(),
             of_row: Vec::new(),
+            shorn: Vec::new(),
         };
-        materials.index_of(pile);
+        let wetness = design.finish.wetness;
+        materials.index_of(&wet_pile(pile, wetness));
         let rows = design.length.rows().iter();
         materials.of_row = rows
-            .map(|row| materials.index_of(&row.of_pile(pile)))
+            .map(|row| materials.index_of(&wet_pile(&row.of_pile(pile), wetness)))
             .collect();
+        if design.finish.sheared != Sheared::None {
+            for index in 0..materials.list.len() {
+                let material = materials.list[index];
+                let (kind, diameter) = materials.yarns[material.kind as usize];
+                let kind = index_or_push(&mut materials.yarns, (shorn(kind), diameter)) as u32;
+                let shorn = index_or_push(&mut materials.list, Material { kind, ..material });
+                materials.shorn.push(shorn as u8);
+            }
+        }
         materials
     }
 
@@ -78,10 +93,16 @@ pub(super) fn looks(
 ) -> Vec<LoopLook> {
     let chart = ChartOnSheet::new(&design.chart, sheet.warps, sheet.wefts);
     let rule = LengthRule::new(&design.length);
+    let wetness = design.finish.wetness;
+    let shears_mm = [Face::Front, Face::Back].map(|face| shear_mm(&design.finish, face));
     let dye = |material: &Material| Dye {
         phase: design.pile.phase,
         transmission: f64::from(material.transmission),
-        ground: design.skeleton.colour.linear(),
+        ground: design
+            .skeleton
+            .colour
+            .linear()
+            .map(|ground| wet_reflectance(ground, wetness)),
         bounces: design.quality.bounces,
         max_albedo: design.pile.max_albedo,
     };
@@ -95,7 +116,7 @@ pub(super) fn looks(
         let scale = row.map_or(1.0, |row| design.length.table[row].albedo_scale);
         let material = row.map_or(0, |row| materials.of_row[row]);
         let table = &tables[usize::from(material)];
-        let albedo = albedo_from_reflectance(Colour(colour).linear(), table);
+        let albedo = wet_albedo_from_reflectance(Colour(colour).linear(), table, wetness);
         let stored = albedo.map(|a| ((a * scale).clamp(0.0, 1.0) * 65535.0).round() as u16);
         (stored, material)
     };
@@ -113,6 +134,14 @@ pub(super) fn looks(
                     let colour = chart.colour(i as usize, j as usize).unwrap_or_default();
                     let (albedo, material) = cache.get(colour);
                     let hash = loop_hash(design.turbulence.seed, i, j, planted.face);
+                    let shear_mm = shears_mm[usize::from(planted.face == Face::Back)];
+                    let patch = loops.patch(planted.index as usize);
+                    let material = if is_shorn(&patch, planted.face, shear_mm, loops.length_unit_mm)
+                    {
+                        materials.shorn[usize::from(material)]
+                    } else {
+                        material
+                    };
                     LoopLook {
                         albedo,
                         variant: (hash_with(hash, 4) % design.pile.variants) as u8,

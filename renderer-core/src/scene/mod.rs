@@ -16,6 +16,7 @@ mod chart;
 mod compile;
 mod curve;
 pub mod escape;
+mod finish;
 mod frames;
 mod grid;
 mod length;
@@ -37,6 +38,7 @@ pub use cells::CellSet;
 pub use chart::ChartOnSheet;
 pub use compile::{CompileError, Compiler, SeenScene, compile, warnings};
 pub use curve::MonotoneCurve;
+pub use finish::{LoopFinish, wet_reflectance};
 pub use frames::{
     FrameSettings, Jitter, LoopInput, MAX_LEAN, MAX_SKEW, MAX_TWIST, loop_hash, loop_shape,
 };

@@ -5,6 +5,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::bounds::box_of;
+use super::finish::Finishing;
 use super::frames::{FrameRules, Jitter, LoopInput, loop_hash, loop_shape};
 use super::grid::{Planted, WholePile};
 use super::length::Cells;
@@ -21,6 +22,7 @@ pub(super) struct LoopsInputs {
     pub(super) roots: RootHeights,
     pub(super) cells: Cells,
     pub(super) frames: FrameRules,
+    pub(super) finishing: Finishing,
     pub(super) turbulence: Turbulence,
 }
 
@@ -76,7 +78,9 @@ impl LoopsInputs {
     /// [`Self::sampled`].
     pub(super) fn whole_pile(&self, turbulence: &TurbulenceField, standing: &CellSet) -> WholePile {
         let ([low, high], step) = self.roots.range();
-        let longest = self.frames.common().longest_mm(self.cells.longest_mm());
+        let longest = self
+            .frames
+            .longest_mm(self.cells.longest_mm(), &self.finishing);
         let half_top = self.frames.half_top_mm(step);
         let largest = longest.max(half_top).max(high).max(-low);
         let (cells, faces) = (Self::sampled(standing), self.faces());
@@ -235,12 +239,17 @@ impl LoopsInputs {
         length: f64,
     ) -> LoopInput {
         let hash = loop_hash(self.turbulence.seed, i as u32, j as u32, face);
+        let place_mm = [
+            (i as f64 + 0.5) * self.sheet.pitch_x_mm,
+            (j as f64 + 0.5) * self.sheet.pitch_y_mm,
+        ];
         LoopInput {
             face,
             root_heights: self.roots.at(i, j, face),
             length,
             turbulence: turbulence.at(i, j).map(f64::from),
             jitter: Jitter::new(hash),
+            finish: self.finishing.of_loop(hash, face, place_mm),
         }
     }
 

@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 
 use glam::DVec3;
 
+use super::finish::Finishing;
 use super::frames::{FrameRules, MAX_LEAN};
 use super::skeleton::RootHeights;
 use super::{CellSet, SheetGeometry, Skeleton};
@@ -31,7 +32,14 @@ impl PileReach {
         let skeleton = Skeleton::new(&design.weave, &design.skeleton);
         let frames = FrameRules::new(design);
         let roots = RootHeights::new(&skeleton, &sheet, design.pile.base_width);
-        let mut reach = Self::of_frames(&sheet, &frames, &roots, design.length.longest());
+        let finishing = Finishing::new(design);
+        let longest = frames.longest_mm(design.length.longest(), &finishing);
+        let spread = if finishing.leans_anywhere() {
+            2.0 * MAX_LEAN
+        } else {
+            0.0
+        };
+        let mut reach = Self::of_frames(&sheet, &frames, &roots, longest, spread);
         let radius = skeleton.warp_radius_mm.max(skeleton.weft_radius_mm);
         let yarns = f64::from(radius + skeleton.crimp_mm);
         reach.low_mm[2] = reach.low_mm[2].min(-yarns);
@@ -39,21 +47,21 @@ impl PileReach {
         reach
     }
 
-    /// The reach of loops of these frames that are at most so long before stretch and jitter.
+    /// The reach of loops of these frames that are at most so long and lean so much more than their frames say, radians.
     fn of_frames(
         sheet: &SheetGeometry,
         frames: &FrameRules,
         roots: &RootHeights,
-        longest_mm: f64,
+        length: f64,
+        more_lean: f64,
     ) -> Self {
         let common = frames.common();
         let [lean_jitter, ..] = common.jitter;
-        let length = common.longest_mm(longest_mm);
         // No part of the axis across the sheet is longer than the lean along it, nor than all of the steepest lean.
         let steepest = MAX_LEAN.sin();
         let (mut low_lean, mut high_lean) = ([0.0_f64; 2], [0.0_f64; 2]);
         for row in frames.all() {
-            let spread = row.tilt + lean_jitter;
+            let spread = row.tilt + lean_jitter + more_lean;
             for (axis, lean) in row.lean.into_iter().enumerate() {
                 low_lean[axis] = low_lean[axis].min((lean - spread).max(-steepest));
                 high_lean[axis] = high_lean[axis].max((lean + spread).min(steepest));

@@ -176,7 +176,8 @@ pub struct Material {
 pub struct PileOptics {
     /// Phase function of all loops.
     pub phase: Phase,
-    /// Materials that loops refer to; the first is the pile's own. At most 65.
+    /// Materials that loops refer to; the first is the pile's own. At most 130: of the pile and
+    /// 64 rows, each also shorn.
     pub materials: Vec<Material>,
 }
 

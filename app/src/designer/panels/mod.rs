@@ -3,6 +3,7 @@
 
 mod cameras;
 mod chart;
+mod finish;
 mod height_map;
 mod length_table;
 mod light;
@@ -62,12 +63,13 @@ pub struct Surroundings<'a> {
 /// Title of a panel, the parts of the design whose faults belong to it, and whether it starts open.
 struct Title(&'static str, &'static [&'static str], bool);
 
-const TITLES: [Title; 8] = [
+const TITLES: [Title; 9] = [
     Title("Sheet & weave", &["sheet", "weave"], true),
     Title("Chart", &["chart"], true),
     Title("Loop length", &["length"], false),
     Title("Pile", &["pile"], false),
     Title("Turbulence", &["turbulence"], false),
+    Title("Finish", &["finish"], false),
     Title("Skeleton", &["skeleton"], false),
     Title("Light", &["light"], false),
     Title("View & quality", &["view", "quality"], false),
@@ -120,8 +122,9 @@ impl Panels {
                     2 => loop_length::show(ui, &mut self.loop_length, design, around),
                     3 => pile::show(ui, &mut self.pile, design, around),
                     4 => turbulence::show(ui, &mut self.turbulence, design, around),
-                    5 => skeleton::show(ui, &mut design.skeleton),
-                    6 => light::show(ui, &mut self.light, &mut design.light, around),
+                    5 => finish::show(ui, design),
+                    6 => skeleton::show(ui, &mut design.skeleton),
+                    7 => light::show(ui, &mut self.light, &mut design.light, around),
                     _ => view_quality::show(ui, design, around),
                 });
                 if is_open != was_open {

@@ -32,6 +32,7 @@ mod layout;
 mod lobes;
 mod materials;
 mod metrics;
+mod nap;
 mod picture_file;
 mod presets;
 mod probes;

@@ -36,13 +36,14 @@ fn changed_by(base: &Design, edit: impl FnOnce(&mut Design)) -> Vec<&'static str
 
 /// Every number of the design: its path, a value that differs, and the sections that must change.
 fn every_number(design: &Design) -> Vec<(String, f64, &'static [&'static str])> {
-    let sections: [(&str, &dyn Numbers); 11] = [
+    let sections: [(&str, &dyn Numbers); 12] = [
         ("sheet", &design.sheet),
         ("chart", &design.chart),
         ("length", &design.length),
         ("pile", &design.pile),
         ("turbulence", &design.turbulence),
         ("finish", &design.finish),
+        ("nap", &design.nap),
         ("skeleton", &design.skeleton),
         ("light.sun[0]", &design.light.sun[0]),
         ("light.environment", &design.light.environment),
@@ -79,6 +80,8 @@ fn every_number(design: &Design) -> Vec<(String, f64, &'static [&'static str])> 
                 ("finish", "pulled") => &["loops"],
                 // Nothing is shorn, pulled or wet.
                 ("finish", _) => &[],
+                // There is no map.
+                ("nap", _) => &[],
                 // No root stands on a weft here.
                 ("skeleton", "weft_radius" | "specular" | "exponent" | "fibre_spacing") => {
                     &["skeleton"]
@@ -139,6 +142,7 @@ fn choices_change_their_sections_and_no_other() {
             "front",
             &["loops", "looks", "volumes", "pile"],
         ),
+        ("nap.fit", "tile", &[]),
         ("skeleton.height", "paper", &["loops", "skeleton"]),
         ("skeleton.shading", "phong", &["skeleton"]),
         ("skeleton.colour", "#803020", &["looks", "skeleton"]),

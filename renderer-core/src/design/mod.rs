@@ -8,6 +8,7 @@ mod chart_image;
 mod colour;
 mod environment_image;
 mod fields;
+pub mod nap_edit;
 mod pattern;
 pub mod preset;
 mod ready_patterns;
@@ -46,6 +47,8 @@ pub struct Design {
     pub turbulence: Turbulence,
     /// What happens to the loops after weaving.
     pub finish: Finish,
+    /// Which way the front's pile is brushed.
+    pub nap: Nap,
     /// The ground weave's yarns.
     pub skeleton: SkeletonDesign,
     /// Lights and background.
@@ -80,6 +83,11 @@ impl Shaped for Design {
                 Finish::shape(),
             ),
             section(
+                "nap",
+                "Which way the front's pile is brushed, by an image.",
+                Nap::shape(),
+            ),
+            section(
                 "skeleton",
                 "The ground weave's yarns.",
                 SkeletonDesign::shape(),
@@ -109,6 +117,7 @@ impl Design {
         self.pile.push_range_faults("pile", &mut faults);
         self.turbulence.push_range_faults("turbulence", &mut faults);
         self.finish.push_range_faults("finish", &mut faults);
+        self.nap.push_range_faults("nap", &mut faults);
         self.skeleton.push_range_faults("skeleton", &mut faults);
         self.light.push_faults(&mut faults);
         self.view.push_faults(&mut faults);
@@ -169,8 +178,12 @@ impl Design {
     }
 
     /// The paths of the images that the design names, which files write relative to themselves.
-    pub fn image_paths_mut(&mut self) -> [&mut Option<String>; 2] {
-        [&mut self.chart.image, &mut self.light.environment.image]
+    pub fn image_paths_mut(&mut self) -> [&mut Option<String>; 3] {
+        [
+            &mut self.chart.image,
+            &mut self.light.environment.image,
+            &mut self.nap.image,
+        ]
     }
 
     /// The farthest that any part of a loop can be from its cell's centre, mm.

@@ -1,5 +1,5 @@
 //! The sections of a design, one struct each, in the order one designs: sheet, weave, chart, length, pile, turbulence,
-//! finish, skeleton, light, view, quality. Field names are those of preset files.
+//! finish, nap, skeleton, light, view, quality. Field names are those of preset files.
 //!
 //! Longer than most files because it is the one list of all editable fields.
 
@@ -586,6 +586,26 @@ section! {
         others {
             /// Which faces of the cloth are shorn.
             sheared: Sheared = Sheared::None;
+        }
+    }
+}
+
+section! {
+    /// Which way the front's pile is brushed, by an image.
+    Nap, NapFields {
+        numbers {
+            /// How far loops lean where the map says all the way, on top of `pile.lean_x` and `pile.lean_y`.
+            strength: f64 = 45.0, 0.0..=75.0, "°";
+        }
+        others {
+            /// Path of the map, relative to the preset: red is the lean along the weft, green along the warp, 128 none, as in normal maps of tangent space; it concerns the front alone. No map means no lean but the pile's.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            image: Option<String> = None;
+            /// How the map is laid over the cells: stretched it is smooth between its pixels.
+            fit: Fit = Fit::Stretch;
+            /// The decoded image; read and written by the program's file layer, never by serde.
+            #[serde(skip)]
+            pixels: Option<ChartImage> = None;
         }
     }
 }

@@ -3,7 +3,7 @@
 //! Each section has inputs; if they equal those of the last design, it keeps its `Arc`. Which parts of a design a section
 //! depends on:
 //!
-//! | section  | sheet | weave | chart, length           | pile             | finish         | turbulence | skeleton     | light | quality |
+//! | section  | sheet | weave | chart, length           | pile             | finish, nap    | turbulence | skeleton     | light | quality |
 //! | -------- | ----- | ----- | ----------------------- | ---------------- | -------------- | ---------- | ------------ | ----- | ------- |
 //! | sheet    | ×     |       |                         |                  |                |            |              |       |         |
 //! | loops    | ×     | ×     | each cell's length      | shape of frames  | ×              | ×          | yarns' shape |       |         |
@@ -336,7 +336,7 @@ impl Compiler {
             roots: RootHeights::new(&skeleton, &sheet, design.pile.base_width),
             cells: self.cells_of(design, sheet),
             frames: FrameRules::new(design),
-            finishing: Finishing::new(design),
+            finishing: Finishing::new(design, &sheet),
             turbulence: design.turbulence.clone(),
         }
     }

@@ -1,10 +1,13 @@
-//! Wear and finish: what happens to loops after weaving, in this order. Shears cut a face level; some loops that they did not
-//! reach are pulled out; water darkens the yarn, thins it and gathers loops into clumps. mm and radians.
+//! Wear and finish: what happens to loops after weaving. A map brushes the front's pile one way or another; shears cut a face
+//! level; some loops that they did not reach are pulled out; water darkens the yarn, thins it and gathers loops into clumps.
+//! mm and radians.
 //!
 //! All of it is decided here, before anything is drawn: renderers see loops, materials and volumes as ever.
 
+use super::frames::MAX_LEAN;
+use super::nap::NapOnSheet;
 use super::skeleton::Face;
-use super::{LoopPatch, Skeleton};
+use super::{LoopPatch, SheetGeometry, Skeleton};
 use crate::design::{Design, Finish, Pile, PileKind, Sheared};
 use crate::sampling::{hash_with, unit_float};
 
@@ -20,8 +23,9 @@ const THINNING: f64 = 0.25;
 const PULLED_BITS: u32 = 5;
 
 /// What a design does to its loops after weaving; what does nothing is left out, so that equal loops have equal inputs.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Finishing {
+    nap: Option<NapOnSheet>,
     shear_mm: [Option<f64>; 2],
     pulled: Option<Pulled>,
     clumps: Option<Clumps>,
@@ -45,6 +49,8 @@ struct Clumps {
 /// What happens to one loop.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LoopFinish {
+    /// How it is brushed besides its settings' lean, along x and y, radians.
+    pub lean: [f64; 2],
     /// Height over the sheet's plane above which nothing of it is left, mm.
     pub shear_mm: Option<f64>,
     /// By how much it is longer if nothing of it is shorn, mm; the pull lays it over, the more the longer it gets.
@@ -54,10 +60,11 @@ pub struct LoopFinish {
 }
 
 impl Finishing {
-    pub(super) fn new(design: &Design) -> Self {
+    pub(super) fn new(design: &Design, sheet: &SheetGeometry) -> Self {
         let finish = &design.finish;
         let longer_mm = finish.longer_mm();
         Self {
+            nap: NapOnSheet::new(&design.nap, sheet),
             shear_mm: [Face::Front, Face::Back].map(|face| shear_mm(finish, face)),
             pulled: (longer_mm > 0.0).then_some(Pulled {
                 share: finish.pulled,
@@ -71,12 +78,20 @@ impl Finishing {
         }
     }
 
-    /// What happens to the loop with this hash that stands at a place, mm from the sheet's low corner.
-    pub(super) fn of_loop(&self, hash: u32, face: Face, place_mm: [f64; 2]) -> LoopFinish {
+    /// What happens to the loop with this hash of a cell, the middle of which is at a place, mm from the sheet's low corner.
+    pub(super) fn of_loop(
+        &self,
+        hash: u32,
+        face: Face,
+        [i, j]: [usize; 2],
+        place_mm: [f64; 2],
+    ) -> LoopFinish {
         let is_pulled =
             |pulled: &Pulled| f64::from(unit_float(hash_with(hash, PULLED_BITS))) < pulled.share;
         let by_mm = |pulled: Pulled| pulled.by_mm;
+        let nap = self.nap.as_ref().filter(|_| face == Face::Front);
         LoopFinish {
+            lean: nap.map_or([0.0; 2], |nap| nap.lean(i, j)),
             shear_mm: self.shear_mm[usize::from(face == Face::Back)],
             pulled_mm: self.pulled.filter(is_pulled).map_or(0.0, by_mm),
             drawn_mm: self
@@ -90,9 +105,12 @@ impl Finishing {
         self.pulled.map_or(0.0, |pulled| pulled.by_mm)
     }
 
-    /// Whether loops may lean any way, whatever their settings say.
-    pub(super) fn leans_anywhere(&self) -> bool {
-        self.pulled.is_some() || self.clumps.is_some()
+    /// By how much loops lean more along x or y than their settings say at most, radians.
+    pub(super) fn more_lean(&self) -> f64 {
+        if self.pulled.is_some() || self.clumps.is_some() {
+            return 2.0 * MAX_LEAN;
+        }
+        self.nap.as_ref().map_or(0.0, NapOnSheet::strength)
     }
 }
 

@@ -196,6 +196,7 @@ pub fn loop_shape(
         settings.lean[axis]
             + settings.tilt * [tilt_x, tilt_y][axis]
             + lean_jitter * input.jitter.lean[axis]
+            + input.finish.lean[axis]
             + drawn[axis]
     });
     let twist =

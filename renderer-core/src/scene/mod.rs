@@ -23,6 +23,7 @@ mod length;
 mod lights;
 mod looks;
 mod loops;
+mod nap;
 mod noise_rows;
 mod plant;
 mod report;

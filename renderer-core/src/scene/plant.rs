@@ -249,7 +249,7 @@ impl LoopsInputs {
             length,
             turbulence: turbulence.at(i, j).map(f64::from),
             jitter: Jitter::new(hash),
-            finish: self.finishing.of_loop(hash, face, place_mm),
+            finish: self.finishing.of_loop(hash, face, [i, j], place_mm),
         }
     }
 

@@ -32,14 +32,9 @@ impl PileReach {
         let skeleton = Skeleton::new(&design.weave, &design.skeleton);
         let frames = FrameRules::new(design);
         let roots = RootHeights::new(&skeleton, &sheet, design.pile.base_width);
-        let finishing = Finishing::new(design);
+        let finishing = Finishing::new(design, &sheet);
         let longest = frames.longest_mm(design.length.longest(), &finishing);
-        let spread = if finishing.leans_anywhere() {
-            2.0 * MAX_LEAN
-        } else {
-            0.0
-        };
-        let mut reach = Self::of_frames(&sheet, &frames, &roots, longest, spread);
+        let mut reach = Self::of_frames(&sheet, &frames, &roots, longest, finishing.more_lean());
         let radius = skeleton.warp_radius_mm.max(skeleton.weft_radius_mm);
         let yarns = f64::from(radius + skeleton.crimp_mm);
         reach.low_mm[2] = reach.low_mm[2].min(-yarns);

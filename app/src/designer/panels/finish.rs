@@ -1,12 +1,18 @@
-//! Finish: what happens to the loops after weaving.
+//! Finish: what happens to the loops after weaving, and which way they are brushed.
 
 use egui::Ui;
 use renderer_core::design::{Design, Finish, Sheared};
 
+use super::{Surroundings, nap};
 use crate::designer::widgets::{choice, number, subheading};
 
 /// Shows the panel.
-pub fn show(ui: &mut Ui, design: &mut Design) {
+pub fn show(
+    ui: &mut Ui,
+    state: &mut nap::State,
+    design: &mut Design,
+    around: &mut Surroundings<'_>,
+) {
     let fields = Finish::FIELDS;
     let finish = &mut design.finish;
     choice(
@@ -28,4 +34,5 @@ pub fn show(ui: &mut Ui, design: &mut Design) {
     ui.add_enabled_ui(finish.wetness > 0.0, |ui| {
         number(ui, &fields.clump_size, &mut finish.clump_size);
     });
+    nap::show(ui, state, design, around);
 }

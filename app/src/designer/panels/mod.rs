@@ -10,6 +10,7 @@ mod light;
 mod light_sphere;
 mod loop_length;
 mod loop_picture;
+mod nap;
 mod pile;
 mod ready_lights;
 mod sheet_weave;
@@ -37,6 +38,7 @@ pub struct Panels {
     loop_length: loop_length::State,
     pile: pile::State,
     turbulence: turbulence::State,
+    nap: nap::State,
     light: light::State,
     /// Whether panels are open, by title, where that is not as they start.
     pub open: BTreeMap<String, bool>,
@@ -69,7 +71,7 @@ const TITLES: [Title; 9] = [
     Title("Loop length", &["length"], false),
     Title("Pile", &["pile"], false),
     Title("Turbulence", &["turbulence"], false),
-    Title("Finish", &["finish"], false),
+    Title("Finish", &["finish", "nap"], false),
     Title("Skeleton", &["skeleton"], false),
     Title("Light", &["light"], false),
     Title("View & quality", &["view", "quality"], false),
@@ -122,7 +124,7 @@ impl Panels {
                     2 => loop_length::show(ui, &mut self.loop_length, design, around),
                     3 => pile::show(ui, &mut self.pile, design, around),
                     4 => turbulence::show(ui, &mut self.turbulence, design, around),
-                    5 => finish::show(ui, design),
+                    5 => finish::show(ui, &mut self.nap, design, around),
                     6 => skeleton::show(ui, &mut design.skeleton),
                     7 => light::show(ui, &mut self.light, &mut design.light, around),
                     _ => view_quality::show(ui, design, around),

@@ -10,6 +10,8 @@ const PHASE_ISOTROPIC: u32 = 0u;
 const PHASE_FRAME_LAMBERT: u32 = 1u;
 const PHASE_KAJIYA_KAY: u32 = 2u;
 const PHASE_GRADIENT_LAMBERT: u32 = 3u;
+// Not all materials scatter alike.
+const PHASE_OF_MATERIAL: u32 = 4u;
 
 const SKELETON_NONE: u32 = 0u;
 const SKELETON_WINDING: u32 = 1u;

@@ -56,6 +56,7 @@ fn every_field_survives_writing_and_reading() {
         LengthEntry {
             density: Some(2.5),
             kind: Some(PileKind::Cut),
+            phase: Some(Phase::GradientLambert),
             lean_x: Some(-12.5),
             lean_y: Some(0.0),
             tilt: Some(1.0 / 3.0),

@@ -1,7 +1,8 @@
 //! Which sections of a scene an edit changes, and that nothing non-finite leaves compile.
 
 use renderer_core::design::{
-    ChartImage, Colour, Design, Fit, LengthEntry, LengthMap, Numbers, Pattern, PileKind, preset,
+    ChartImage, Colour, Design, Fit, LengthEntry, LengthMap, Numbers, Pattern, Phase, PileKind,
+    preset,
 };
 use renderer_core::sampling::Pcg;
 use renderer_core::scene::{CompileError, Compiler, SECTIONS, Scene, compile};
@@ -219,6 +220,14 @@ fn rows_of_the_table_change_what_they_name() {
     assert_eq!(edit(|row| row.top_width = Some(1.5)), ["loops"]);
     assert_eq!(
         edit(|row| row.yarn_diameter = Some(0.5)),
+        ["looks", "volumes", "pile"]
+    );
+    assert_eq!(
+        edit(|row| row.phase = Some(Phase::FrameLambert)),
+        ["looks", "pile"]
+    );
+    assert_eq!(
+        edit(|row| row.phase = Some(Phase::KajiyaKay)),
         ["looks", "volumes", "pile"]
     );
     assert_eq!(edit(|row| row.transmission = Some(0.2)), ["looks", "pile"]);

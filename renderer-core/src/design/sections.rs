@@ -234,6 +234,9 @@ section! {
             /// Kind of pile instead of `pile.kind`.
             #[serde(skip_serializing_if = "Option::is_none")]
             kind: Option<PileKind> = None;
+            /// How a point of the pile scatters light instead of `pile.phase`.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            phase: Option<Phase> = None;
             /// Lean along the weft instead of `pile.lean_x`, degrees.
             #[serde(skip_serializing_if = "Option::is_none")]
             lean_x: Option<f64> = None;
@@ -322,6 +325,7 @@ impl LengthEntry {
             specular: self.specular.unwrap_or(pile.specular),
             exponent: self.exponent.unwrap_or(pile.exponent),
             kind: self.kind.unwrap_or(pile.kind),
+            phase: self.phase.unwrap_or(pile.phase),
             ..pile.clone()
         }
     }

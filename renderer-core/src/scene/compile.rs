@@ -258,7 +258,7 @@ impl Compiler {
         let sheet = SheetGeometry::new(design);
         let skeleton = Skeleton::new(&design.weave, &design.skeleton).wet(design.finish.wetness);
         let materials = Materials::new(design);
-        let optics = PileOptics::new(design, &materials);
+        let optics = PileOptics::new(&materials);
 
         let loops_inputs = self.loops_inputs(design);
         let kept_loops = kept(self.loops.as_ref(), &loops_inputs);
@@ -290,7 +290,7 @@ impl Compiler {
         };
         cancel.check()?;
 
-        let volumes_inputs = VolumesInputs::new(design, &materials);
+        let volumes_inputs = VolumesInputs::new(design, &materials, &optics);
         let volumes = match kept(self.volumes.as_ref(), &volumes_inputs) {
             Some(volumes) => volumes,
             None => {
@@ -462,7 +462,7 @@ impl SheetGeometry {
 impl VolumesInputs {
     /// The volumes' pile is the design's with everything that only concerns frames and light at its default, so that
     /// volumes cannot depend on it.
-    fn new(design: &Design, materials: &Materials) -> Self {
+    fn new(design: &Design, materials: &Materials, optics: &PileOptics) -> Self {
         let defaults = Pile::default();
         let reference_length_mm = design.length.longest().min(design.pile.max_length);
         let pile = Pile {
@@ -485,9 +485,10 @@ impl VolumesInputs {
             specular: defaults.specular,
             exponent: defaults.exponent,
             // Only fibres need their directions in the volumes.
-            phase: match design.pile.phase {
-                Phase::KajiyaKay => Phase::KajiyaKay,
-                Phase::Isotropic | Phase::FrameLambert | Phase::GradientLambert => defaults.phase,
+            phase: if optics.has(Phase::KajiyaKay) {
+                Phase::KajiyaKay
+            } else {
+                defaults.phase
             },
             ..wet_pile(&design.pile, design.finish.wetness)
         };

@@ -9,7 +9,7 @@ use super::frames::loop_hash;
 use super::length::{ColourCache, LengthRule};
 use super::skeleton::Face;
 use super::{Cancel, LoopLook, Loops, Material, PileOptics, SheetGeometry};
-use crate::design::{Colour, Design, Pile, PileKind, Sheared};
+use crate::design::{Colour, Design, Phase, Pile, PileKind, Sheared};
 use crate::sampling::hash_with;
 
 /// The materials of a design, and which of them each row of its length table uses.
@@ -55,6 +55,7 @@ impl Materials {
         let material = Material {
             density_per_mm: pile.density as f32,
             kind: index_or_push(&mut self.yarns, yarn) as u32,
+            phase: pile.phase,
             transmission: pile.transmission as f32,
             specular: pile.specular as f32,
             exponent: pile.exponent as f32,
@@ -75,11 +76,24 @@ fn index_or_push<T: PartialEq>(list: &mut Vec<T>, value: T) -> usize {
 
 impl PileOptics {
     /// How the pile of a design scatters.
-    pub(super) fn new(design: &Design, materials: &Materials) -> Self {
+    pub(super) fn new(materials: &Materials) -> Self {
         Self {
-            phase: design.pile.phase,
             materials: materials.list.clone(),
         }
+    }
+
+    /// The phase function that all materials share, if they do.
+    pub fn shared_phase(&self) -> Option<Phase> {
+        let phase = self.materials.first()?.phase;
+        let mut materials = self.materials.iter();
+        materials.all(|other| other.phase == phase).then_some(phase)
+    }
+
+    /// Whether any material has this phase function.
+    pub fn has(&self, phase: Phase) -> bool {
+        self.materials
+            .iter()
+            .any(|material| material.phase == phase)
     }
 }
 
@@ -96,7 +110,7 @@ pub(super) fn looks(
     let wetness = design.finish.wetness;
     let shears_mm = [Face::Front, Face::Back].map(|face| shear_mm(&design.finish, face));
     let dye = |material: &Material| Dye {
-        phase: design.pile.phase,
+        phase: material.phase,
         transmission: f64::from(material.transmission),
         ground: design
             .skeleton

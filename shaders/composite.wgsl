@@ -78,10 +78,11 @@ fn pile_scatter(ray: Ray, hit: Gathered, index: u32) -> Scatter {
     let yarn = load_yarn(index);
     let point = ray.origin + hit.t * ray.direction;
     var at = Scatter(PILE, ray.cell, point, hit.t, normal, vec3<f32>(), 0.0, yarn.albedo * hit.shade, yarn.material);
-    if PHASE == PHASE_KAJIYA_KAY {
+    let phase = phase_of(yarn.material);
+    if phase == PHASE_KAJIYA_KAY {
         at.axis = fibre_tangent(shape, normal, yarn, hit.at);
     }
-    if PHASE == PHASE_GRADIENT_LAMBERT {
+    if phase == PHASE_GRADIENT_LAMBERT {
         let surface = density_surface(shape, normal, yarn, hit.at);
         at.axis = surface.xyz;
         at.surfaceness = surface.w;

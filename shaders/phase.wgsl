@@ -95,14 +95,15 @@ fn scattered(at: Scatter, towards_eye: vec3<f32>, towards_light: vec3<f32>) -> v
     if at.what == GROUND {
         return at.albedo * surface_value(at, towards_eye, towards_light);
     }
-    if PHASE == PHASE_FRAME_LAMBERT {
+    let phase = phase_of(at.material);
+    if phase == PHASE_FRAME_LAMBERT {
         return at.albedo * two_sided(at, at.normal, towards_eye, towards_light);
     }
-    if PHASE == PHASE_GRADIENT_LAMBERT {
+    if phase == PHASE_GRADIENT_LAMBERT {
         let surface = two_sided(at, at.axis, towards_eye, towards_light);
         return at.albedo * mix(0.25 / PI, surface, at.surfaceness);
     }
-    if PHASE == PHASE_KAJIYA_KAY {
+    if phase == PHASE_KAJIYA_KAY {
         return at.albedo * kajiya_kay(at, towards_eye, towards_light);
     }
     return at.albedo * (0.25 / PI);
@@ -120,10 +121,11 @@ fn draw_direction(at: Scatter, towards_eye: vec3<f32>, u: vec2<f32>) -> Drawn {
         let drawn = surface_direction(at, towards_eye, u);
         return Drawn(drawn.direction, at.albedo * drawn.weight);
     }
-    if PHASE == PHASE_FRAME_LAMBERT {
+    let phase = phase_of(at.material);
+    if phase == PHASE_FRAME_LAMBERT {
         return Drawn(two_sided_direction(at, at.normal, towards_eye, u), at.albedo);
     }
-    if PHASE == PHASE_GRADIENT_LAMBERT {
+    if phase == PHASE_GRADIENT_LAMBERT {
         if u.x < at.surfaceness {
             let rest = vec2<f32>(u.x / at.surfaceness, u.y);
             return Drawn(two_sided_direction(at, at.axis, towards_eye, rest), at.albedo);
@@ -132,7 +134,7 @@ fn draw_direction(at: Scatter, towards_eye: vec3<f32>, u: vec2<f32>) -> Drawn {
         return Drawn(uniform_on_sphere(vec2<f32>(rest, u.y)), at.albedo);
     }
     let direction = uniform_on_sphere(u);
-    if PHASE == PHASE_KAJIYA_KAY {
+    if phase == PHASE_KAJIYA_KAY {
         return Drawn(direction, at.albedo * (4.0 * PI * kajiya_kay(at, towards_eye, direction)));
     }
     return Drawn(direction, at.albedo);
@@ -141,7 +143,7 @@ fn draw_direction(at: Scatter, towards_eye: vec3<f32>, u: vec2<f32>) -> Drawn {
 // The same towards the environment, with three numbers: points that scatter equally look to the other side of the ground in
 // the share `looks_down` only.
 fn draw_sky_direction(at: Scatter, towards_eye: vec3<f32>, u: vec3<f32>) -> Drawn {
-    if PHASE != PHASE_ISOTROPIC || at.what == GROUND {
+    if phase_of(at.material) != PHASE_ISOTROPIC || at.what == GROUND {
         return draw_direction(at, towards_eye, u.xy);
     }
     let down = u.z < scene.looks_down;

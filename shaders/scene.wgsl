@@ -34,7 +34,9 @@ struct Material {
     exponent: f32,
     // Row of highlight_norm.
     highlight_row: u32,
-    unused: vec2<u32>,
+    // PHASE_*.
+    phase: u32,
+    unused: u32,
 }
 
 struct SceneConstants {
@@ -164,4 +166,12 @@ struct Scatter {
 
 fn no_scatter() -> Scatter {
     return Scatter(NOTHING, vec2<i32>(), vec3<f32>(), 0.0, vec3<f32>(), vec3<f32>(), 0.0, vec3<f32>(), 0u);
+}
+
+// How a material scatters: a constant unless materials differ.
+fn phase_of(material: u32) -> u32 {
+    if PHASE == PHASE_OF_MATERIAL {
+        return scene.materials[material].phase;
+    }
+    return PHASE;
 }

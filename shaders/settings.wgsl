@@ -10,6 +10,8 @@ const PHASE_ISOTROPIC: u32 = 0u;
 const PHASE_FRAME_LAMBERT: u32 = 1u;
 const PHASE_KAJIYA_KAY: u32 = 2u;
 const PHASE_GRADIENT_LAMBERT: u32 = 3u;
+// Not all materials scatter alike.
+const PHASE_OF_MATERIAL: u32 = 4u;
 
 const SKELETON_NONE: u32 = 0u;
 const SKELETON_WINDING: u32 = 1u;
@@ -34,7 +36,7 @@ const TILE_PIXELS: u32 = 256u;
 const WORKGROUP: u32 = 64u;
 const MAX_SUNS: u32 = 8u;
 const MAX_AREAS: u32 = 4u;
-const MAX_MATERIALS: u32 = 65u;
+const MAX_MATERIALS: u32 = 130u;
 // Intervals of the table of N_p over [0, π/2].
 const HIGHLIGHT_INTERVALS: u32 = 256u;
 // Independent scrambles of the random sequence, and so accumulators of each pixel (MODEL.md §10).

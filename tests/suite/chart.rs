@@ -243,6 +243,76 @@ fn the_table_gives_the_nearest_colours_length_and_material() {
 }
 
 #[test]
+fn rows_stand_and_are_spun_as_they_say() {
+    let mut design = plain();
+    (design.sheet.warps, design.sheet.wefts) = (6, 2);
+    let pixels = [[200, 30, 30, 255], [30, 30, 200, 255], [0, 140, 20, 255]];
+    design.chart = chart(ChartImage::new(3, 1, &pixels).unwrap(), Fit::Stretch);
+    let pile = &mut design.pile;
+    (pile.tilt, pile.twist, pile.jitter, pile.twist_jitter) = (0.0, 0.0, 0.0, 0.0);
+    (pile.lean_x, pile.lean_y) = (10.0, 0.0);
+    let row = |colour| LengthEntry {
+        colour: Colour(colour),
+        ..LengthEntry::default()
+    };
+    design.length.map = LengthMap::Lut;
+    design.length.table = vec![
+        row([200, 30, 30]),
+        LengthEntry {
+            lean_x: Some(-40.0),
+            top_width: Some(0.5),
+            yarn_diameter: Some(0.4),
+            ..row([30, 30, 200])
+        },
+        LengthEntry {
+            lean_x: Some(0.0),
+            lean_y: Some(25.0),
+            tilt: Some(50.0),
+            ..row([0, 140, 20])
+        },
+    ];
+    let scene = compile(&design).unwrap();
+    let mut tilted = Vec::new();
+    for planted in (0..2).flat_map(|j| scene.loops.planted_in_row(&scene.sheet, j)) {
+        let patch = scene.loops.patch(planted.index as usize);
+        let [x, y, z] = patch.axis.map(f64::from);
+        let lean = |across: f64| (across / z.abs()).atan().to_degrees();
+        let top = 2.0 * f64::from(patch.half_top[1]);
+        let material = scene.looks[planted.index as usize].material;
+        let kind = scene.pile.materials[usize::from(material)].kind;
+        // Half a unit of length, 0.05 µm, turns a loop of 2 mm by far less.
+        match planted.cell[0] {
+            0 | 1 => {
+                assert!((lean(x) - 10.0).abs() < 0.01 && y == 0.0, "{patch:?}");
+                assert!((top - 1.9).abs() < 1e-3 && kind == 0);
+            }
+            2 | 3 => {
+                assert!((lean(x) + 40.0).abs() < 0.01 && y == 0.0, "{patch:?}");
+                assert!((top - 0.5).abs() < 1e-3 && kind == 1);
+            }
+            _ => {
+                assert_eq!(kind, 0);
+                tilted.push(lean(y));
+            }
+        }
+    }
+    // Turbulence tips the last row's loops apart, which the pile alone has none of.
+    let spread = tilted
+        .iter()
+        .fold(0.0_f64, |most, a| most.max((a - 25.0).abs()));
+    assert!(spread > 1.0, "{tilted:?}");
+    // The second row's volumes have thinner yarn: less than half of the section is yarn.
+    let volumes = &scene.volumes;
+    assert_eq!(volumes.kinds, [PileKind::Terry; 2]);
+    let mass = |kind: usize| -> u64 {
+        let each = volumes.voxels.len() / 2;
+        let voxels = &volumes.voxels[kind * each..(kind + 1) * each];
+        voxels.iter().map(|&[density, _]| u64::from(density)).sum()
+    };
+    assert!(2 * mass(1) < mass(0), "{} {}", mass(1), mass(0));
+}
+
+#[test]
 fn variants_are_all_used_and_neighbours_differ() {
     let design = plain();
     let scene = compile(&design).unwrap();

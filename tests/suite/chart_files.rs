@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use renderer_core::design::chart_edit::draw_line;
 use renderer_core::design::{ChartImage, Design};
-use towel_designer::files::{self, Carried, OwnChart};
+use towel_designer::files::{self, Carried, OwnImages};
 
 const NAVY: [u8; 4] = [20, 30, 90, 255];
 
@@ -17,7 +17,7 @@ fn painted(colour: [u8; 4]) -> Design {
     design
 }
 
-fn save(design: &Design, to: &Path, known: Option<&OwnChart>) -> Option<OwnChart> {
+fn save(design: &Design, to: &Path, known: &OwnImages) -> OwnImages {
     files::save_edited(design, &Carried::default(), to, None, known).expect("saved")
 }
 
@@ -42,7 +42,7 @@ fn a_painted_chart_is_written_beside_its_preset_and_comes_back() {
     let folder = tempfile::tempdir().unwrap();
     let preset = folder.path().join("Möwe.toml");
     let design = painted(NAVY);
-    let own = save(&design, &preset, None);
+    let own = save(&design, &preset, &OwnImages::default());
     assert_eq!(names(folder.path()), ["Möwe-chart.png", "Möwe.toml"]);
     assert_eq!(Some(chart_of(&preset)), design.chart.pixels);
     let text = fs::read_to_string(&preset).unwrap();
@@ -59,13 +59,13 @@ fn a_painted_chart_is_written_beside_its_preset_and_comes_back() {
     for known in [own, again] {
         let mut other = design.clone();
         other.sheet.warps = 99;
-        save(&other, &preset, known.as_ref()).expect("still known");
+        save(&other, &preset, &known);
         assert_eq!(fs::metadata(&chart).unwrap().modified().unwrap(), before);
     }
     let mut repainted = painted([200, 30, 30, 255]);
     repainted.chart.colour.0 = [1, 2, 3];
     let known = files::open_to_edit(&preset).unwrap().1;
-    save(&repainted, &preset, known.as_ref()).unwrap();
+    save(&repainted, &preset, &known);
     assert_eq!(
         names(folder.path()).len(),
         2,
@@ -80,7 +80,7 @@ fn no_file_of_others_is_written() {
     let at = |name: &str| -> PathBuf { folder.path().join(name) };
     // Somebody's image happens to have the name.
     fs::write(at("a-chart.png"), "mine").unwrap();
-    save(&painted(NAVY), &at("a.toml"), None);
+    save(&painted(NAVY), &at("a.toml"), &OwnImages::default());
     assert_eq!(fs::read_to_string(at("a-chart.png")).unwrap(), "mine");
     assert_eq!(Some(chart_of(&at("a.toml"))), painted(NAVY).chart.pixels);
     assert!(at("a-chart-2.png").exists());
@@ -88,7 +88,7 @@ fn no_file_of_others_is_written() {
     // Another preset's chart: saved under another name, a design gets a chart of its own.
     let (mut opened, known) = files::open_to_edit(&at("a.toml")).unwrap();
     opened.design.chart.pixels = painted([9; 4]).chart.pixels;
-    save(&opened.design, &at("b.toml"), known.as_ref());
+    save(&opened.design, &at("b.toml"), &known);
     assert_eq!(Some(chart_of(&at("a.toml"))), painted(NAVY).chart.pixels);
     assert_eq!(Some(chart_of(&at("b.toml"))), opened.design.chart.pixels);
 
@@ -98,17 +98,17 @@ fn no_file_of_others_is_written() {
     drawn.extend(b"more");
     fs::write(at("b-chart.png"), &drawn).unwrap();
     opened.design.chart.pixels = painted(NAVY).chart.pixels;
-    save(&opened.design, &at("b.toml"), known.as_ref());
+    save(&opened.design, &at("b.toml"), &known);
     assert_eq!(fs::read(at("b-chart.png")).unwrap(), drawn);
     assert_eq!(Some(chart_of(&at("b.toml"))), painted(NAVY).chart.pixels);
 
     // A copy of a preset made by a file manager shares the chart with it; what is saved from it does not.
     fs::copy(at("a.toml"), at("copy.toml")).unwrap();
-    let (opened, known) = files::open_to_edit(&at("copy.toml")).unwrap();
-    assert!(known.is_none() && opened.design.chart.image.is_some());
+    let (opened, _) = files::open_to_edit(&at("copy.toml")).unwrap();
+    assert!(opened.design.chart.image.is_some());
     let mut design = opened.design;
     (design.chart.image, design.chart.pixels) = (None, painted([7; 4]).chart.pixels);
-    save(&design, &at("copy.toml"), None);
+    save(&design, &at("copy.toml"), &OwnImages::default());
     assert_eq!(Some(chart_of(&at("a.toml"))), painted(NAVY).chart.pixels);
     assert_eq!(Some(chart_of(&at("copy.toml"))), design.chart.pixels);
 }
@@ -119,7 +119,8 @@ fn a_preset_that_cannot_be_written_leaves_its_chart_as_it_was() {
     // A folder has the preset's name: the chart could be written, the preset cannot.
     let preset = folder.path().join("x.toml");
     fs::create_dir_all(preset.join("full")).unwrap();
-    let failed = files::save_edited(&painted(NAVY), &Carried::default(), &preset, None, None);
+    let none = OwnImages::default();
+    let failed = files::save_edited(&painted(NAVY), &Carried::default(), &preset, None, &none);
     let message = failed.expect_err("a folder").to_string();
     assert!(message.contains("x.toml"), "{message}");
     assert_eq!(names(folder.path()), ["x.toml"]);

@@ -21,7 +21,7 @@ use renderer_core::scene::escape::{
     BIN_ENDS, BINS, Column, FRAME_LAMBERT, GRADIENT_LAMBERT, ISOTROPIC, KAJIYA_KAY,
 };
 use renderer_core::scene::{
-    AlbedoTable, Dye, Scene, Section, Skeleton, albedo_from_reflectance, compile,
+    AlbedoTable, Dye, Scene, Section, Skeleton, albedo_from_reflectance, compile, wet_reflectance,
 };
 
 /// The default terry with loops and ground yarns that absorb nothing but what the grooves of their yarn do.
@@ -243,15 +243,20 @@ fn difference(a: [f64; 3], b: [f64; 3]) -> f64 {
     a.difference(b)
 }
 
-/// Mean radiance of the cloth in a picture of a uniform chart under a white sky of radiance 1.
+/// Mean radiance of the cloth in a picture of a uniform chart.
 fn mean_of_chart(phase: Phase, transmission: f64, colour: Colour, bounces: u32) -> [f64; 3] {
     let mut design = Design::default();
     design.chart.colour = colour;
     (design.pile.phase, design.pile.transmission) = (phase, transmission);
     design.quality.bounces = bounces;
+    mean_of(design)
+}
+
+/// Mean radiance of the cloth in a picture of a design under a white sky of radiance 1.
+fn mean_of(mut design: Design) -> [f64; 3] {
     design.light.sun.clear();
     design.light.environment.radiance = 1.0;
-    let tracer = Tracer::new(&request(compile(&design).unwrap(), bounces));
+    let tracer = Tracer::new(&request(compile(&design).unwrap(), design.quality.bounces));
     let rows: Vec<(DVec3, f64)> = (0..SIDE)
         .into_par_iter()
         .map(|y| {
@@ -332,6 +337,29 @@ fn charts_render_in_their_colours_with_every_phase() {
     // Between what was measured.
     renders_as_itself(Phase::GradientLambert, 0.25, 32, &CHART);
     renders_as_itself(Phase::FrameLambert, 0.8, 32, &CHART);
+}
+
+#[test]
+fn wet_charts_render_as_much_darker_as_water_makes_them() {
+    for colour in [[30, 45, 90], [120, 120, 120], [180, 160, 130]] {
+        for wetness in [0.5, 1.0] {
+            let mut design = Design::default();
+            design.chart.colour = Colour(colour);
+            // Between clumps the ground shows: it is dyed as the pile is.
+            design.skeleton.colour = Colour(colour);
+            design.finish.wetness = wetness;
+            let expected = Colour(colour)
+                .linear()
+                .map(|dry| wet_reflectance(dry, wetness));
+            let found = mean_of(design);
+            let far = difference(found, expected);
+            // The noise of ΔE 0.5 as above; and that loops in clumps let light go deeper between them.
+            assert!(
+                far < 5.0,
+                "{colour:?}, wet {wetness}: ΔE {far:.2}, {found:.4?} not {expected:.4?}"
+            );
+        }
+    }
 }
 
 #[test]

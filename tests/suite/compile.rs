@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use renderer_core::design::{
-    Back, ChartImage, Design, Filter, Fit, LengthMap, NoiseKind, Pattern, preset,
+    Back, ChartImage, Design, Filter, Fit, LengthMap, NoiseKind, Pattern, Sheared, preset,
 };
 use renderer_core::render::{Skip, Skips};
 use renderer_core::sampling::Pcg;
@@ -60,6 +60,13 @@ fn designs() -> Vec<(&'static str, Design)> {
         (
             "no twist, no stretch",
             with(|d| (d.pile.twist, d.pile.stretch) = (0.0, 0.0)),
+        ),
+        ("shorn", with(|d| d.finish.sheared = Sheared::Both)),
+        ("pulled", with(|d| d.finish.pulled = 0.3)),
+        ("wet", with(|d| d.finish.wetness = 1.0)),
+        (
+            "napped",
+            with(|d| d.nap.pixels = ChartImage::filled(2, 2, [255, 30, 0, 255])),
         ),
         ("transparent chart", transparent),
         ("lengths of zero", black),
@@ -155,9 +162,22 @@ fn no_loop_is_beyond_the_reach() {
             ("pile.thickness", 0.05, 2.0),
             ("length.value", 0.1, 6.0),
             ("skeleton.crimp", 0.0, 1.0),
+            ("finish.pulled", -1.0, 1.0),
+            ("finish.pulled_length", 0.0, 6.0),
+            ("nap.strength", 0.0, 75.0),
+            ("finish.wetness", -1.0, 1.0),
         ] {
-            let value = low + (high - low) * f64::from(random.next_float());
+            let mut value = low + (high - low) * f64::from(random.next_float());
+            if path.starts_with("finish") {
+                // Half of the designs have none of it.
+                value = value.max(0.0);
+            }
             design = preset::set(&design, path, &value.to_string()).unwrap();
+        }
+        if random.next_float() < 0.5 {
+            let way = std::array::from_fn(|_| (255.0 * random.next_float()) as u8);
+            let [r, g] = way;
+            design.nap.pixels = ChartImage::filled(1, 1, [r, g, 255, 255]);
         }
         let reach = PileReach::of(&design);
         let Ok(scene) = compile(&design) else {

@@ -6,8 +6,8 @@ use glam::DVec3;
 use renderer_core::design::{Back, Design, Pattern};
 use renderer_core::sampling::Pcg;
 use renderer_core::scene::{
-    Face, FrameSettings, Jitter, LoopCounts, LoopInput, LoopPatch, MAX_LEAN, MAX_SKEW, MAX_TWIST,
-    compile, loop_shape, warnings,
+    Face, FrameSettings, Jitter, LoopCounts, LoopFinish, LoopInput, LoopPatch, MAX_LEAN, MAX_SKEW,
+    MAX_TWIST, compile, loop_shape, warnings,
 };
 
 /// f32 rounding of lengths up to some mm, a few operations.
@@ -43,6 +43,7 @@ fn input(turbulence: [f64; 4]) -> LoopInput {
         length: 3.0,
         turbulence,
         jitter: Jitter::default(),
+        finish: LoopFinish::default(),
     }
 }
 

@@ -380,6 +380,7 @@ fn shapes_are_off_by_half_a_unit_at_most() {
             length: still.length.value,
             turbulence: [0.0; 4],
             jitter: Jitter::new(loop_hash(still.turbulence.seed, i, j, planted.face)),
+            finish: Default::default(),
         };
         let asked = loop_shape(&settings, &input, &mut Default::default()).unwrap();
         let pairs = stored.axis.into_iter().chain(stored.half_top);

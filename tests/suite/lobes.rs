@@ -101,20 +101,20 @@ impl Case {
         let mut material = Material {
             density_per_mm: 1.0,
             kind: 0,
+            phase: Phase::Isotropic,
             transmission: 0.0,
             specular: 0.0,
             exponent: 1.0,
         };
-        let mut phase = Phase::Isotropic;
         match *self {
             Self::Pile {
-                phase: own,
+                phase,
                 transmission,
                 specular,
                 exponent,
                 ..
             } => {
-                phase = own;
+                material.phase = phase;
                 (material.transmission, material.specular) = (transmission, specular);
                 material.exponent = exponent;
             }
@@ -129,7 +129,7 @@ impl Case {
             }
         }
         let materials = vec![material];
-        Optics::new(&PileOptics { phase, materials }, &skeleton)
+        Optics::new(&PileOptics { materials }, &skeleton)
     }
 
     fn lobe(&self, question: &Question) -> Lobe {

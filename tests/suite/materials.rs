@@ -26,7 +26,7 @@ fn towel(phase: Phase) -> Design {
 /// What a row may have of its own, and the same for a pile.
 type Own = (fn(&mut LengthEntry), fn(&mut Design));
 
-const KINDS: [(&str, Phase, Own); 5] = [
+const KINDS: [(&str, Phase, Own); 13] = [
     (
         "density",
         Phase::Isotropic,
@@ -51,6 +51,58 @@ const KINDS: [(&str, Phase, Own); 5] = [
         (
             |row| (row.specular, row.exponent) = (Some(0.8), Some(60.0)),
             |d| (d.pile.specular, d.pile.exponent) = (0.8, 60.0),
+        ),
+    ),
+    (
+        "lean along the weft",
+        Phase::Isotropic,
+        (|row| row.lean_x = Some(-30.0), |d| d.pile.lean_x = -30.0),
+    ),
+    (
+        "lean along the warp",
+        Phase::Isotropic,
+        (|row| row.lean_y = Some(50.0), |d| d.pile.lean_y = 50.0),
+    ),
+    (
+        "tilt",
+        Phase::Isotropic,
+        (|row| row.tilt = Some(5.0), |d| d.pile.tilt = 5.0),
+    ),
+    (
+        "top width",
+        Phase::Isotropic,
+        (|row| row.top_width = Some(1.1), |d| d.pile.top_width = 1.1),
+    ),
+    (
+        "diameter of the yarn",
+        Phase::Isotropic,
+        (
+            |row| row.yarn_diameter = Some(0.4),
+            |d| d.pile.yarn_diameter = 0.4,
+        ),
+    ),
+    (
+        "scattering as surfaces",
+        Phase::Isotropic,
+        (
+            |row| row.phase = Some(Phase::FrameLambert),
+            |d| d.pile.phase = Phase::FrameLambert,
+        ),
+    ),
+    (
+        "scattering as yarn",
+        Phase::FrameLambert,
+        (
+            |row| row.phase = Some(Phase::GradientLambert),
+            |d| d.pile.phase = Phase::GradientLambert,
+        ),
+    ),
+    (
+        "scattering as fibres",
+        Phase::Isotropic,
+        (
+            |row| row.phase = Some(Phase::KajiyaKay),
+            |d| d.pile.phase = Phase::KajiyaKay,
         ),
     ),
     (
@@ -128,6 +180,8 @@ fn rows_side_by_side_are_the_same_on_all_backends() {
                 transmission: Some([0.1, 0.5, 1.0][k]),
                 specular: Some([0.9, 0.5, 0.1][k]),
                 exponent: Some([3.0, 30.0, 300.0][k]),
+                // The last row scatters in another way than the others.
+                phase: (k == 2).then_some(Phase::GradientLambert),
                 ..LengthEntry::default()
             })
             .collect();

@@ -56,6 +56,12 @@ fn every_field_survives_writing_and_reading() {
         LengthEntry {
             density: Some(2.5),
             kind: Some(PileKind::Cut),
+            phase: Some(Phase::GradientLambert),
+            lean_x: Some(-12.5),
+            lean_y: Some(0.0),
+            tilt: Some(1.0 / 3.0),
+            top_width: Some(2.25),
+            yarn_diameter: Some(0.4),
             transmission: Some(0.125),
             specular: Some(1.0),
             exponent: Some(17.5),
@@ -381,7 +387,7 @@ fn every_shipped_preset_is_sound_and_round_trips() {
             path.display()
         );
         let mut without_pixels = design.clone();
-        without_pixels.chart.pixels = None;
+        (without_pixels.chart.pixels, without_pixels.nap.pixels) = (None, None);
         round_trip(&without_pixels);
     }
     assert!(count >= 6, "only {count} presets in presets/");

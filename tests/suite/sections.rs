@@ -1,8 +1,8 @@
 //! Which sections of a scene an edit changes, and that nothing non-finite leaves compile.
 
 use renderer_core::design::{
-    AreaLight, ChartImage, Colour, Design, Fit, LengthEntry, LengthMap, Numbers, Pattern, PileKind,
-    preset,
+    AreaLight, ChartImage, Colour, Design, Fit, LengthEntry, LengthMap, Numbers, Pattern, Phase,
+    PileKind, preset,
 };
 use renderer_core::sampling::Pcg;
 use renderer_core::scene::{CompileError, Compiler, SECTIONS, Scene, compile};
@@ -38,13 +38,16 @@ fn changed_by(base: &Design, edit: impl FnOnce(&mut Design)) -> Vec<&'static str
 
 /// Every number of the design: its path, a value that differs, and the sections that must change.
 fn every_number(design: &Design) -> Vec<(String, f64, &'static [&'static str])> {
-    let sections: [(&str, &dyn Numbers); 11] = [
+    let sections: [(&str, &dyn Numbers); 14] = [
         ("sheet", &design.sheet),
         ("chart", &design.chart),
         ("length", &design.length),
         ("pile", &design.pile),
         ("turbulence", &design.turbulence),
+        ("finish", &design.finish),
+        ("nap", &design.nap),
         ("skeleton", &design.skeleton),
+        ("form", &design.form),
         ("light.sun[0]", &design.light.sun[0]),
         ("light.area[0]", &design.light.area[0]),
         ("light.environment", &design.light.environment),
@@ -77,6 +80,12 @@ fn every_number(design: &Design) -> Vec<(String, f64, &'static [&'static str])> 
                 ("pile", _) => &["loops"],
                 ("turbulence", "seed") => &["loops", "looks"],
                 ("turbulence", _) => &["loops"],
+                ("finish", "wetness") => &["loops", "looks", "volumes", "pile", "skeleton"],
+                ("finish", "pulled") => &["loops"],
+                // Nothing is shorn, pulled or wet.
+                ("finish", _) => &[],
+                // There is no map.
+                ("nap", _) => &[],
                 // No root stands on a weft here.
                 ("skeleton", "weft_radius" | "specular" | "exponent" | "fibre_spacing") => {
                     &["skeleton"]
@@ -132,6 +141,12 @@ fn choices_change_their_sections_and_no_other() {
         ("pile.interpolation", "nearest", &["volumes"]),
         ("turbulence.kind", "worley", &["loops"]),
         ("turbulence.filter", "box", &["loops"]),
+        (
+            "finish.sheared",
+            "front",
+            &["loops", "looks", "volumes", "pile"],
+        ),
+        ("nap.fit", "tile", &[]),
         ("skeleton.height", "paper", &["loops", "skeleton"]),
         ("skeleton.shading", "phong", &["skeleton"]),
         ("skeleton.colour", "#803020", &["looks", "skeleton"]),
@@ -202,6 +217,22 @@ fn rows_of_the_table_change_what_they_name() {
     assert_eq!(edit(|row| row.length = 3.5), ["loops", "volumes"]);
     assert_eq!(edit(|row| row.albedo_scale = 0.5), ["looks"]);
     assert_eq!(edit(|row| row.density = Some(5.0)), ["looks", "pile"]);
+    assert_eq!(edit(|row| row.lean_x = Some(5.0)), ["loops"]);
+    assert_eq!(edit(|row| row.lean_y = Some(5.0)), ["loops"]);
+    assert_eq!(edit(|row| row.tilt = Some(5.0)), ["loops"]);
+    assert_eq!(edit(|row| row.top_width = Some(1.5)), ["loops"]);
+    assert_eq!(
+        edit(|row| row.yarn_diameter = Some(0.5)),
+        ["looks", "volumes", "pile"]
+    );
+    assert_eq!(
+        edit(|row| row.phase = Some(Phase::FrameLambert)),
+        ["looks", "pile"]
+    );
+    assert_eq!(
+        edit(|row| row.phase = Some(Phase::KajiyaKay)),
+        ["looks", "volumes", "pile"]
+    );
     assert_eq!(edit(|row| row.transmission = Some(0.2)), ["looks", "pile"]);
     assert_eq!(edit(|row| row.specular = Some(0.2)), ["looks", "pile"]);
     assert_eq!(edit(|row| row.exponent = Some(20.0)), ["looks", "pile"]);
@@ -296,6 +327,7 @@ fn everything_is_finite_at_the_ends_of_all_ranges() {
             ("length", &small().length as &dyn Numbers),
             ("pile", &small().pile),
             ("turbulence", &small().turbulence),
+            ("finish", &small().finish),
             ("skeleton", &small().skeleton),
             ("light.sun[0]", &small().light.sun[0]),
             ("light.area[0]", &small().light.area[0]),

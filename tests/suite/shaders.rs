@@ -51,7 +51,7 @@ fn all_needs() -> Vec<SceneNeeds> {
         Some(SkeletonHeight::Paper),
     ];
     for &method in Method::ALL {
-        for &phase in Phase::ALL {
+        for phase in Phase::ALL.iter().copied().map(Some).chain([None]) {
             for skeleton in skeletons {
                 for flags in 0..1 << 7 {
                     let on = |bit: u32| flags >> bit & 1 == 1;

@@ -23,6 +23,11 @@ pub fn describe(before: &Design, after: &Design) -> String {
             .or_else(|| other(before.pile != after.pile, "kind of pile")),
         numbers("turbulence", &before.turbulence, &after.turbulence)
             .or_else(|| other(before.turbulence != after.turbulence, "kind of turbulence")),
+        numbers("finish", &before.finish, &after.finish)
+            .or_else(|| other(before.finish != after.finish, "shorn faces")),
+        numbers("nap", &before.nap, &after.nap)
+            .or_else(|| other(before.nap.fit != after.nap.fit, "nap map layout"))
+            .or_else(|| other(before.nap != after.nap, "nap map")),
         numbers("skeleton", &before.skeleton, &after.skeleton)
             .or_else(|| other(before.skeleton != after.skeleton, "look of the skeleton")),
         numbers("form", &before.form, &after.form)

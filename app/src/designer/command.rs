@@ -62,6 +62,8 @@ pub enum Command {
     EditChart,
     /// Use this chart image.
     UseChart(PathBuf),
+    /// Ask for a nap map.
+    OpenNap,
     /// Ask for an image of the surroundings.
     OpenEnvironment,
     /// Use this image of the surroundings.

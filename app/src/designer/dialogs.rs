@@ -19,6 +19,8 @@ pub enum Purpose {
     SaveBundle,
     /// A chart image.
     OpenChart,
+    /// A nap map.
+    OpenNap,
     /// An image of the surroundings.
     OpenEnvironment,
     /// A picture to write.
@@ -33,6 +35,7 @@ impl Purpose {
         match self {
             Self::OpenPreset | Self::SavePreset | Self::SaveBundle => "designs",
             Self::OpenChart => "charts",
+            Self::OpenNap => "nap maps",
             Self::OpenEnvironment => "surroundings",
             Self::ExportPng | Self::ExportExr => "pictures",
         }
@@ -42,7 +45,11 @@ impl Purpose {
     pub fn has_own_folder(self) -> bool {
         matches!(
             self,
-            Self::OpenChart | Self::OpenEnvironment | Self::ExportPng | Self::ExportExr
+            Self::OpenChart
+                | Self::OpenNap
+                | Self::OpenEnvironment
+                | Self::ExportPng
+                | Self::ExportExr
         )
     }
 
@@ -52,6 +59,7 @@ impl Purpose {
             Self::SavePreset => ("Save design as", "designs", &["toml", "towel"], true),
             Self::SaveBundle => ("Save as bundle", "bundles", &["towel"], true),
             Self::OpenChart => ("Open chart", "images", &["png", "jpg", "jpeg"], false),
+            Self::OpenNap => ("Open nap map", "images", &["png", "jpg", "jpeg"], false),
             Self::OpenEnvironment => (
                 "Open surroundings",
                 "images",

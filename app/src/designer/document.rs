@@ -6,10 +6,10 @@
 
 use std::path::{Path, PathBuf};
 
-use renderer_core::design::Design;
+use renderer_core::design::{ChartImage, Design};
 
 use super::changes;
-use crate::files::{Carried, Opened, Origin, OwnChart, Stamp, Unsaved};
+use crate::files::{Carried, Opened, Origin, OwnImages, Stamp, Unsaved};
 
 /// Most steps that can be undone. Designs share their charts' tiles, so a step costs little,
 const MAX_STEPS: usize = 1000;
@@ -21,7 +21,7 @@ const MOST_BYTES: usize = 1 << 30;
 struct Step {
     name: String,
     design: Design,
-    /// What the chart before and after do not share.
+    /// What the chart and the nap map before and after do not share.
     bytes: usize,
 }
 
@@ -35,7 +35,7 @@ pub struct Document {
     saved: Option<Design>,
     path: Option<PathBuf>,
     /// The file of the chart that was painted here, as it was last read or written.
-    pub own_chart: Option<OwnChart>,
+    pub own_images: OwnImages,
     /// Name of a design without a file that was made from something with a name.
     name: Option<String>,
     /// Images that lie in no folder.
@@ -79,7 +79,7 @@ impl Document {
             design,
             stamp: path.as_deref().and_then(Stamp::of),
             path,
-            own_chart: None,
+            own_images: OwnImages::default(),
             name: None,
             carried: Carried::default(),
             revision: 0,
@@ -202,9 +202,13 @@ impl Document {
         }
         self.revision += 1;
         let before = std::mem::replace(&mut self.settled, self.design.clone());
-        let bytes = before.chart.pixels.as_ref().map_or(0, |pixels| {
-            pixels.bytes_beside(self.design.chart.pixels.as_ref())
+        let bytes = pixels_of(&before).into_iter().zip(pixels_of(&self.design));
+        let bytes = bytes.map(|(before, now)| {
+            before
+                .as_ref()
+                .map_or(0, |pixels| pixels.bytes_beside(now.as_ref()))
         });
+        let bytes = bytes.sum();
         self.undo.push(Step {
             name: name.unwrap_or_else(|| changes::describe(&before, &self.design)),
             design: before,
@@ -220,20 +224,22 @@ impl Document {
         self.redo.clear();
     }
 
-    /// Keeps equal parts of charts in memory once: the comparisons of every frame then compare pointers.
+    /// Keeps equal parts of charts and nap maps in memory once: the comparisons of every frame then compare pointers.
     fn share_tiles(&mut self) {
-        let Some(pixels) = &mut self.design.chart.pixels else {
-            return;
-        };
-        let settled = self.settled.chart.pixels.as_ref();
-        // Once a gesture, not every frame: charts that differ all over take a while to compare.
-        if settled.is_some_and(|settled| settled.is(pixels)) {
-            return;
-        }
-        let saved = self.saved.as_ref();
-        let saved = saved.and_then(|saved| saved.chart.pixels.as_ref());
-        for other in [saved, settled].into_iter().flatten() {
-            pixels.share_with(other);
+        let Design { chart, nap, .. } = &mut self.design;
+        let settled = pixels_of(&self.settled);
+        let saved = self.saved.as_ref().map(pixels_of);
+        for (k, pixels) in [&mut chart.pixels, &mut nap.pixels].into_iter().enumerate() {
+            let Some(pixels) = pixels else { continue };
+            let settled = settled[k].as_ref();
+            // Once a gesture, not every frame: images that differ all over take a while to compare.
+            if settled.is_some_and(|settled| settled.is(pixels)) {
+                continue;
+            }
+            let saved = saved.and_then(|saved| saved[k].as_ref());
+            for other in [saved, settled].into_iter().flatten() {
+                pixels.share_with(other);
+            }
         }
     }
 
@@ -276,4 +282,9 @@ impl Document {
         self.settled = design.clone();
         std::mem::replace(&mut self.design, design)
     }
+}
+
+/// The images of a design that are painted here.
+fn pixels_of(design: &Design) -> [&Option<ChartImage>; 2] {
+    [&design.chart.pixels, &design.nap.pixels]
 }

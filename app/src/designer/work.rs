@@ -52,6 +52,10 @@ impl App {
             Command::UseChart(path) => self.load_chart(ctx, path),
             Command::PasteChart => self.ask_to_paste(ctx),
             Command::EditChart => self.panels.toggle_chart_editor(),
+            Command::OpenNap => {
+                let folder = self.folder_for(Purpose::OpenNap);
+                self.dialogs.ask(Purpose::OpenNap, &folder, "", ctx);
+            }
             Command::OpenEnvironment => {
                 let folder = self.folder_for(Purpose::OpenEnvironment);
                 self.dialogs.ask(Purpose::OpenEnvironment, &folder, "", ctx);

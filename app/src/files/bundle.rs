@@ -18,8 +18,8 @@ use super::{Carried, FileError, LARGEST_PRESET, write_atomically};
 pub const BUNDLE_ENDING: &str = "towel";
 /// The member that is the preset.
 pub(super) const PRESET: &str = "preset.toml";
-/// Largest bundle, bytes: both images as large as they may be.
-const LARGEST_BUNDLE: u64 = 1 << 30;
+/// Largest bundle, bytes: all images as large as they may be.
+const LARGEST_BUNDLE: u64 = 3 << 29;
 /// Largest image in a bundle, unpacked, bytes: a chart of 8192 x 8192 noise takes half of it.
 const LARGEST_IMAGE: usize = 512 << 20;
 
@@ -51,6 +51,7 @@ pub(super) struct LeftOut {
 #[derive(Default)]
 pub struct Packer {
     chart: Option<(ChartImage, Image)>,
+    nap: Option<(ChartImage, Image)>,
     environment: Option<(EnvironmentImage, Image)>,
 }
 
@@ -82,6 +83,9 @@ impl Packer {
         if let Some((image, found)) = self.chart(&design, carried, folder)? {
             design.chart.image = Some(packed.take("chart image", image, &found, most));
         }
+        if let Some((image, found)) = self.nap(&design, carried, folder)? {
+            design.nap.image = Some(packed.take("nap map", image, &found, most));
+        }
         if let Some((image, found)) = self.environment(&design, carried, folder)? {
             let path = packed.take("image of the surroundings", image, &found, most);
             design.light.environment.image = Some(path);
@@ -98,20 +102,21 @@ impl Packer {
         carried: &Carried,
         folder: &Path,
     ) -> Result<Option<(Image, Found)>, String> {
-        let Some(pixels) = &design.chart.pixels else {
-            return Ok(None);
-        };
-        let found = Found::new(design.chart.image.as_deref(), carried, folder);
-        let image = match &self.chart {
-            Some((last, image)) if last == pixels => image.clone(),
-            _ => {
-                let same = |bytes: &[u8]| decode_chart(bytes).is_ok_and(|i| i == *pixels);
-                let encode = || encode_chart_png(pixels, &[]).map_err(|error| error.to_string());
-                found.image("chart", "png", same, encode)?
-            }
-        };
-        self.chart = Some((pixels.clone(), image.clone()));
-        Ok(Some((image, found)))
+        let Design { chart, .. } = design;
+        let (path, pixels) = (chart.image.as_deref(), chart.pixels.as_ref());
+        painted(&mut self.chart, "chart", path, pixels, carried, folder)
+    }
+
+    /// As [`Self::chart`], of the nap map.
+    pub(super) fn nap(
+        &mut self,
+        design: &Design,
+        carried: &Carried,
+        folder: &Path,
+    ) -> Result<Option<(Image, Found)>, String> {
+        let Design { nap, .. } = design;
+        let (path, pixels) = (nap.image.as_deref(), nap.pixels.as_ref());
+        painted(&mut self.nap, "nap", path, pixels, carried, folder)
     }
 
     /// As [`Self::chart`], of the picture of the surroundings.
@@ -137,6 +142,31 @@ impl Packer {
         self.environment = Some((pixels.clone(), image.clone()));
         Ok(Some((image, found)))
     }
+}
+
+/// The file of an image that can be painted, which is called `what` where it has no name; `last` is what it was before.
+fn painted(
+    last: &mut Option<(ChartImage, Image)>,
+    what: &str,
+    path: Option<&str>,
+    pixels: Option<&ChartImage>,
+    carried: &Carried,
+    folder: &Path,
+) -> Result<Option<(Image, Found)>, String> {
+    let Some(pixels) = pixels else {
+        return Ok(None);
+    };
+    let found = Found::new(path, carried, folder);
+    let image = match last {
+        Some((last, image)) if last == pixels => image.clone(),
+        _ => {
+            let same = |bytes: &[u8]| decode_chart(bytes).is_ok_and(|i| i == *pixels);
+            let encode = || encode_chart_png(pixels, &[]).map_err(|error| error.to_string());
+            found.image(what, "png", same, encode)?
+        }
+    };
+    *last = Some((pixels.clone(), image.clone()));
+    Ok(Some((image, found)))
 }
 
 /// What there is of an image outside memory.

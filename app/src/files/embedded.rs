@@ -19,7 +19,7 @@ const KIND: [u8; 4] = *b"toWl";
 const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 /// Largest image that a picture takes along, bytes.
 const LARGEST_IMAGE: usize = 4 << 20;
-/// Largest chunk that is read: two images, a preset and a little more.
+/// Largest chunk that is read: three images, a preset and more.
 const LARGEST_CHUNK: u32 = 32 << 20;
 
 /// What an exported picture takes along.

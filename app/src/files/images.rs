@@ -1,4 +1,4 @@
-//! Reading charts and pictures of the surroundings.
+//! Reading charts, nap maps and pictures of the surroundings.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Cursor, Seek};
@@ -31,7 +31,18 @@ pub fn load_chart(path: &Path) -> Result<ChartImage, FileError> {
     })
 }
 
-/// As [`load_chart`], of a file's bytes; the error is the end of a sentence about it.
+/// Reads a nap map: what a chart image may be.
+///
+/// # Errors
+/// As [`load_chart`].
+pub fn load_nap(path: &Path) -> Result<ChartImage, FileError> {
+    read_chart(|| Ok(BufReader::new(File::open(path)?))).map_err(|what| FileError::Nap {
+        path: path.to_owned(),
+        what,
+    })
+}
+
+/// As [`load_chart`] and [`load_nap`], of a file's bytes; the error is the end of a sentence about it.
 pub(super) fn decode_chart(bytes: &[u8]) -> Result<ChartImage, String> {
     read_chart(|| Ok(Cursor::new(bytes)))
 }

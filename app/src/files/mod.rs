@@ -1,12 +1,12 @@
 //! All file reading and writing. Every error names its file; every write is atomic.
 //!
 //! - `preset`: presets, and the images they name
-//! - `images`: charts and pictures of the surroundings
+//! - `images`: charts, nap maps and pictures of the surroundings
 //! - `bundle`, `zip`: a design and its images in one file
 //! - `embedded`: designs in exported pictures
 //! - `shipped`: the presets that are part of the program
 //! - `pipelines`: what a GPU driver compiled
-//! - `own_chart`: charts that were painted here
+//! - `own_images`: charts and nap maps that were painted here
 //! - `unsaved`: designs in no file yet, kept for the case that the program dies
 //! - `write`: files that are whole or untouched
 
@@ -15,7 +15,7 @@ mod carried;
 mod embedded;
 mod images;
 mod outline;
-mod own_chart;
+mod own_images;
 mod pipelines;
 mod preset;
 mod shipped;
@@ -33,9 +33,9 @@ use renderer_core::design::preset::{PresetFault, SetError};
 pub use bundle::{BUNDLE_ENDING, Packer, is_bundle, save_bundle};
 pub use carried::Carried;
 pub use embedded::{Embedded, carries_design, embedded};
-pub use images::{load_chart, load_environment};
+pub use images::{load_chart, load_environment, load_nap};
 pub use outline::Outline;
-pub use own_chart::OwnChart;
+pub use own_images::OwnImages;
 pub use pipelines::keep_pipelines;
 pub use preset::{
     Opened, Origin, image_path_from, load_design, load_design_with, open_design, open_design_with,
@@ -98,6 +98,14 @@ pub enum FileError {
     /// A chart image cannot be used.
     #[error("{}: chart image: {what}", .path.display())]
     Chart {
+        /// The image.
+        path: PathBuf,
+        /// What is wrong, and what is allowed.
+        what: String,
+    },
+    /// A nap map cannot be used.
+    #[error("{}: nap map: {what}", .path.display())]
+    Nap {
         /// The image.
         path: PathBuf,
         /// What is wrong, and what is allowed.

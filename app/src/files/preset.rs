@@ -10,8 +10,10 @@ use renderer_core::design::{Design, EnvironmentKind};
 use super::bundle::{Image, PRESET, Packer, is_bundle, read_bundle, save_bundle};
 use super::embedded::{is_png, read_embedded};
 use super::images::{decode_chart, decode_environment};
-use super::own_chart::OwnChart;
-use super::{Carried, FileError, LARGEST_PRESET, load_chart, load_environment, write_atomically};
+use super::own_images::OwnImages;
+use super::{
+    Carried, FileError, LARGEST_PRESET, load_chart, load_environment, load_nap, write_atomically,
+};
 
 /// What a design was read from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,16 +65,16 @@ pub fn open_design(path: &Path) -> Result<Opened, FileError> {
     open_design_with(path, &[])
 }
 
-/// As [`open_design`], for editing: a chart that was painted here is the design's own again, without a path. Also what is
-/// known of its file, for [`save_edited`].
+/// As [`open_design`], for editing: images that were painted here are the design's own again, without a path. Also what is
+/// known of their files, for [`save_edited`].
 ///
 /// # Errors
 /// As [`load_design`].
-pub fn open_to_edit(path: &Path) -> Result<(Opened, Option<OwnChart>), FileError> {
+pub fn open_to_edit(path: &Path) -> Result<(Opened, OwnImages), FileError> {
     let mut opened = open_design(path)?;
     let own = match opened.origin {
-        Origin::Preset => OwnChart::take(&mut opened.design.chart, path),
-        Origin::Bundle | Origin::Picture | Origin::Program => None,
+        Origin::Preset => OwnImages::take(&mut opened.design, path),
+        Origin::Bundle | Origin::Picture | Origin::Program => OwnImages::default(),
     };
     Ok((opened, own))
 }
@@ -175,6 +177,20 @@ impl<'a> Source<'a> {
                 Err(error) => failed(field, error.to_string()),
             }
         }
+        let field = "nap.image";
+        if let Some(image) = &design.nap.image {
+            let folder = self.folder_of_images(is_set(field));
+            let read = self.read_image(image, folder, decode_chart, load_nap);
+            match read {
+                Ok(pixels) => design.nap.pixels = Some(pixels),
+                Err(ReadError::File(error)) if is_set(field) => return Err(error),
+                Err(error) if self.origin == Origin::Picture => {
+                    warnings.push(left_out("nap map", &error.to_string()));
+                    design.nap.image = None;
+                }
+                Err(error) => failed(field, error.to_string()),
+            }
+        }
         if faults.is_empty() {
             return Ok(Opened {
                 design,
@@ -262,11 +278,11 @@ pub fn save(
     to: &Path,
     from: Option<&Path>,
 ) -> Result<(), FileError> {
-    save_edited(design, carried, to, from, None).map(drop)
+    save_edited(design, carried, to, from, &OwnImages::default()).map(drop)
 }
 
-/// As [`save`]. A chart that was painted here (it has pixels and no path) goes to a PNG of its own beside the preset, unless
-/// `known` says that it is there; returned is what is known of it afterwards.
+/// As [`save`]. An image that was painted here (it has pixels and no path) goes to a PNG of its own beside the preset, unless
+/// `known` says that it is there; returned is what is known of them afterwards.
 ///
 /// # Errors
 /// As [`save`].
@@ -275,11 +291,11 @@ pub fn save_edited(
     carried: &Carried,
     to: &Path,
     from: Option<&Path>,
-    known: Option<&OwnChart>,
-) -> Result<Option<OwnChart>, FileError> {
+    known: &OwnImages,
+) -> Result<OwnImages, FileError> {
     if is_bundle(to) {
         let folder = from.and_then(Path::parent).unwrap_or(Path::new(""));
-        save_bundle(design, carried, folder, to).map(|()| None)
+        save_bundle(design, carried, folder, to).map(|()| OwnImages::default())
     } else {
         save_preset(design, carried, to, from, known).map(|(_, own)| own)
     }
@@ -291,7 +307,8 @@ pub fn save_edited(
 /// # Errors
 /// When the file cannot be written.
 pub fn save_design(design: &Design, to: &Path, from: Option<&Path>) -> Result<Design, FileError> {
-    save_preset(design, &Carried::default(), to, from, None).map(|(design, _)| design)
+    save_preset(design, &Carried::default(), to, from, &OwnImages::default())
+        .map(|(design, _)| design)
 }
 
 /// Writes a preset, and beside it those of its images that lie in no file or that the preset could not name: what is
@@ -301,8 +318,8 @@ fn save_preset(
     carried: &Carried,
     to: &Path,
     from: Option<&Path>,
-    known: Option<&OwnChart>,
-) -> Result<(Design, Option<OwnChart>), FileError> {
+    known: &OwnImages,
+) -> Result<(Design, OwnImages), FileError> {
     let failed = |why: String| FileError::Write {
         path: to.to_owned(),
         source: io::Error::other(why),
@@ -314,8 +331,9 @@ fn save_preset(
     let has_pixels = [
         design.chart.pixels.is_some(),
         design.light.environment.pixels.is_some(),
+        design.nap.pixels.is_some(),
     ];
-    let mut lost = [false; 2];
+    let mut lost = [false; 3];
     let paths = written.image_paths_mut().into_iter();
     for ((path, has_pixels), lost) in paths.zip(has_pixels).zip(&mut lost) {
         let Some(path) = path else { continue };
@@ -339,18 +357,16 @@ fn save_preset(
             written.light.environment.image = Some(write_beside(to, &image)?);
         }
     }
-    let own = OwnChart::prepare(design, to, known)?;
-    if let Some(own) = &own {
-        written.chart.image = Some(own.name());
-    }
-    let text = preset::write(&written).map_err(|error| failed(error.to_string()))?;
-    let own = match own {
-        None => {
-            write_atomically(to, text.as_bytes())?;
-            None
+    if lost[2] {
+        let image = packer.nap(design, carried, old_folder).map_err(failed)?;
+        if let Some((image, _)) = image {
+            written.nap.image = Some(write_beside(to, &image)?);
         }
-        Some(own) => own.write_with(to, text.as_bytes())?,
-    };
+    }
+    let own = OwnImages::prepare(design, to, known)?;
+    own.name_in(&mut written);
+    let text = preset::write(&written).map_err(|error| failed(error.to_string()))?;
+    let own = own.write_with(to, text.as_bytes())?;
     Ok((written, own))
 }
 

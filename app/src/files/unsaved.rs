@@ -48,6 +48,9 @@ struct About {
     stamp: Option<Stamp>,
     /// Whether the chart was painted here: then it has no file of its own to be named by.
     chart_is_own: bool,
+    /// The same of the nap map.
+    #[serde(default)]
+    nap_is_own: bool,
 }
 
 /// The place where a window keeps its unsaved design.
@@ -90,6 +93,7 @@ impl Keep {
             name: unsaved.name.clone(),
             stamp: unsaved.stamp,
             chart_is_own: unsaved.design.chart.image.is_none(),
+            nap_is_own: unsaved.design.nap.image.is_none(),
         };
         let about = serde_json::to_vec(&about).map_err(|error| error.to_string())?;
         let archive = packed.archive_with(Some((ABOUT, &about)))?;
@@ -188,6 +192,9 @@ impl LeftBehind {
         let mut opened = source.open(&unpacked.text, &[])?;
         if about.chart_is_own {
             opened.design.chart.image = None;
+        }
+        if about.nap_is_own {
+            opened.design.nap.image = None;
         }
         Ok(Unsaved {
             design: opened.design,

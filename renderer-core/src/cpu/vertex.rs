@@ -38,7 +38,7 @@ impl Tracer {
         let normal = patch.normal().as_dvec3();
         let look = cloth.scene.looks[index as usize];
         let material = usize::from(look.material);
-        let lobe = match cloth.optics.phase() {
+        let lobe = match cloth.optics.phase(material) {
             Phase::Isotropic => Lobe::Isotropic,
             Phase::FrameLambert => Lobe::Frame { normal, material },
             Phase::KajiyaKay => {

@@ -9,6 +9,7 @@ mod colour;
 mod environment_image;
 mod environment_light;
 mod fields;
+pub mod nap_edit;
 mod pattern;
 pub mod preset;
 mod ready_patterns;
@@ -46,6 +47,10 @@ pub struct Design {
     pub pile: Pile,
     /// The smooth disorder of the loops.
     pub turbulence: Turbulence,
+    /// What happens to the loops after weaving.
+    pub finish: Finish,
+    /// Which way the front's pile is brushed.
+    pub nap: Nap,
     /// The ground weave's yarns.
     pub skeleton: SkeletonDesign,
     /// How the cloth lies in space.
@@ -77,6 +82,16 @@ impl Shaped for Design {
                 Turbulence::shape(),
             ),
             section(
+                "finish",
+                "What happens to the loops after weaving: shears, wear and water.",
+                Finish::shape(),
+            ),
+            section(
+                "nap",
+                "Which way the front's pile is brushed, by an image.",
+                Nap::shape(),
+            ),
+            section(
                 "skeleton",
                 "The ground weave's yarns.",
                 SkeletonDesign::shape(),
@@ -106,6 +121,8 @@ impl Design {
         self.length.push_faults(&mut faults);
         self.pile.push_range_faults("pile", &mut faults);
         self.turbulence.push_range_faults("turbulence", &mut faults);
+        self.finish.push_range_faults("finish", &mut faults);
+        self.nap.push_range_faults("nap", &mut faults);
         self.skeleton.push_range_faults("skeleton", &mut faults);
         self.form.push_faults(&mut faults);
         self.light.push_faults(&mut faults);
@@ -204,15 +221,21 @@ impl Design {
     }
 
     /// The paths of the images that the design names, which files write relative to themselves.
-    pub fn image_paths_mut(&mut self) -> [&mut Option<String>; 2] {
-        [&mut self.chart.image, &mut self.light.environment.image]
+    pub fn image_paths_mut(&mut self) -> [&mut Option<String>; 3] {
+        [
+            &mut self.chart.image,
+            &mut self.light.environment.image,
+            &mut self.nap.image,
+        ]
     }
 
     /// The farthest that any part of a loop can be from its cell's centre, mm.
     pub fn reach_mm(&self) -> f64 {
         let longest =
-            self.length.longest() * (1.0 + self.pile.stretch) * (1.0 + self.pile.length_jitter);
-        let width = self.pile.base_width.max(self.pile.top_width);
+            self.length.longest() * (1.0 + self.pile.stretch) * (1.0 + self.pile.length_jitter)
+                + self.finish.longer_mm();
+        let tops = self.length.rows().iter().filter_map(|row| row.top_width);
+        let width = tops.fold(self.pile.base_width.max(self.pile.top_width), f64::max);
         longest.min(self.pile.max_length) + width + self.pile.thickness
     }
 

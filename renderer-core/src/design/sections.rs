@@ -1,5 +1,5 @@
 //! The sections of a design, one struct each, in the order one designs: sheet, weave, chart, length, pile, turbulence,
-//! skeleton, form, light, view, quality. Field names are those of preset files.
+//! finish, nap, skeleton, form, light, view, quality. Field names are those of preset files.
 //!
 //! Longer than most files because it is the one list of all editable fields.
 
@@ -236,6 +236,24 @@ section! {
             /// Kind of pile instead of `pile.kind`.
             #[serde(skip_serializing_if = "Option::is_none")]
             kind: Option<PileKind> = None;
+            /// How a point of the pile scatters light instead of `pile.phase`.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            phase: Option<Phase> = None;
+            /// Lean along the weft instead of `pile.lean_x`, degrees.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            lean_x: Option<f64> = None;
+            /// Lean along the warp instead of `pile.lean_y`, degrees.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            lean_y: Option<f64> = None;
+            /// How far the turbulence tips loops over instead of `pile.tilt`, degrees.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            tilt: Option<f64> = None;
+            /// Width of a loop at its top instead of `pile.top_width`, mm.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            top_width: Option<f64> = None;
+            /// Thickness of the yarn instead of `pile.yarn_diameter`, mm; what the width and thickness of a loop leave no room for is cut off.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            yarn_diameter: Option<f64> = None;
             /// Share of light that passes through instead of `pile.transmission`, for frame and gradient Lambert.
             #[serde(skip_serializing_if = "Option::is_none")]
             transmission: Option<f64> = None;
@@ -274,14 +292,44 @@ section! {
 
 impl LengthEntry {
     /// The numbers that a row may have instead of the pile's, with the pile's fields; `None` where it has the pile's.
-    pub fn own_numbers(&self) -> [(Field, Option<f64>); 4] {
+    pub fn own_numbers(&self) -> [(Field, Option<f64>); 9] {
         let fields = Pile::FIELDS;
         [
             (fields.density, self.density),
+            (fields.lean_x, self.lean_x),
+            (fields.lean_y, self.lean_y),
+            (fields.tilt, self.tilt),
+            (fields.top_width, self.top_width),
+            (fields.yarn_diameter, self.yarn_diameter),
             (fields.transmission, self.transmission),
             (fields.specular, self.specular),
             (fields.exponent, self.exponent),
         ]
+    }
+
+    /// Whether its loops stand in another way than the pile's.
+    pub fn has_own_frame(&self) -> bool {
+        [self.lean_x, self.lean_y, self.tilt, self.top_width]
+            .iter()
+            .any(Option::is_some)
+    }
+
+    /// The pile with what loops of this row have of their own.
+    pub fn of_pile(&self, pile: &Pile) -> Pile {
+        Pile {
+            density: self.density.unwrap_or(pile.density),
+            lean_x: self.lean_x.unwrap_or(pile.lean_x),
+            lean_y: self.lean_y.unwrap_or(pile.lean_y),
+            tilt: self.tilt.unwrap_or(pile.tilt),
+            top_width: self.top_width.unwrap_or(pile.top_width),
+            yarn_diameter: self.yarn_diameter.unwrap_or(pile.yarn_diameter),
+            transmission: self.transmission.unwrap_or(pile.transmission),
+            specular: self.specular.unwrap_or(pile.specular),
+            exponent: self.exponent.unwrap_or(pile.exponent),
+            kind: self.kind.unwrap_or(pile.kind),
+            phase: self.phase.unwrap_or(pile.phase),
+            ..pile.clone()
+        }
     }
 }
 
@@ -290,6 +338,14 @@ impl Length {
     pub const MAX_ROWS: usize = 64;
     /// Most points of the curve.
     pub const MAX_POINTS: usize = 32;
+
+    /// The rows that loops follow: none unless lengths come from the table.
+    pub fn rows(&self) -> &[LengthEntry] {
+        match self.map {
+            LengthMap::Lut => &self.table,
+            LengthMap::Constant | LengthMap::Gray => &[],
+        }
+    }
 
     /// The longest loop the map can give, before stretch, mm.
     pub fn longest(&self) -> f64 {
@@ -500,6 +556,73 @@ section! {
             kind: NoiseKind = NoiseKind::Fbm;
             /// Smoothing over neighbouring cells.
             filter: Filter = Filter::None;
+        }
+    }
+}
+
+choice! {
+    /// Which faces of the cloth are shorn.
+    Sheared {
+        /// Neither face.
+        None = "neither face",
+        /// The front is shorn: the usual velour towel, terry on its back.
+        Front = "front",
+        /// The back is shorn.
+        Back = "back",
+        /// Both faces are shorn.
+        Both = "both faces",
+    }
+}
+
+section! {
+    /// What happens to the loops after weaving: shears, wear and water.
+    Finish, FinishFields {
+        numbers {
+            /// Height over the ground weave's middle at which shears cut; loops that reach it become tufts of even height, lower ones stay loops.
+            shear_height: f64 = 2.0, 0.05..=100.0, "mm";
+            /// Share of loops that are pulled out of the cloth; shorn tufts are not.
+            pulled: f64 = 0.0, 0.0..=1.0, "";
+            /// By how much pulled loops are longer; `pile.max_length` still holds.
+            pulled_length: f64 = 4.0, 0.0..=50.0, "mm";
+            /// How wet the cloth is, 1 soaked: darker, and its loops thinner and gathered in clumps.
+            wetness: f64 = 0.0, 0.0..=1.0, "";
+            /// Distance of the clumps that water gathers loops in.
+            clump_size: f64 = 4.0, 0.1..=200.0, "mm";
+        }
+        others {
+            /// Which faces of the cloth are shorn.
+            sheared: Sheared = Sheared::None;
+        }
+    }
+}
+
+section! {
+    /// Which way the front's pile is brushed, by an image.
+    Nap, NapFields {
+        numbers {
+            /// How far loops lean where the map says all the way, on top of `pile.lean_x` and `pile.lean_y`.
+            strength: f64 = 45.0, 0.0..=75.0, "°";
+        }
+        others {
+            /// Path of the map, relative to the preset: red is the lean along the weft, green along the warp, 128 none, as in normal maps of tangent space; it concerns the front alone. No map means no lean but the pile's.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            image: Option<String> = None;
+            /// How the map is laid over the cells: stretched it is smooth between its pixels.
+            fit: Fit = Fit::Stretch;
+            /// The decoded image; read and written by the program's file layer, never by serde.
+            #[serde(skip)]
+            pixels: Option<ChartImage> = None;
+        }
+    }
+}
+
+impl Finish {
+    /// By how much loops get longer at most, mm.
+    pub fn longer_mm(&self) -> f64 {
+        if self.pulled > 0.0 {
+            self.pulled_length
+        } else {
+            0.0
         }
     }
 }

@@ -5,6 +5,8 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use crate::design::Phase;
+
 /// A struct of the host as WGSL should see it: name, size, and (name, offset, size) of each member.
 #[derive(Debug)]
 pub struct StructLayout {
@@ -62,6 +64,8 @@ constants! {
     PHASE_KAJIYA_KAY = 2;
     /// PHASE for `gradient_lambert`.
     PHASE_GRADIENT_LAMBERT = 3;
+    /// PHASE where not all materials scatter alike.
+    PHASE_OF_MATERIAL = 4;
     /// SKELETON for none.
     SKELETON_NONE = 0;
     /// SKELETON for tubes.
@@ -93,7 +97,7 @@ constants! {
     /// Most area lights.
     MAX_AREAS = 4;
     /// Most materials.
-    MAX_MATERIALS = 65;
+    MAX_MATERIALS = 130;
     /// Intervals of the table of N_p.
     HIGHLIGHT_INTERVALS = 256;
     /// Scrambles of the random sequence.
@@ -152,6 +156,16 @@ constants! {
     TONE_FILMIC = 1;
 }
 
+/// How shaders number phase functions.
+pub(super) fn phase(phase: Phase) -> u32 {
+    match phase {
+        Phase::Isotropic => PHASE_ISOTROPIC,
+        Phase::FrameLambert => PHASE_FRAME_LAMBERT,
+        Phase::KajiyaKay => PHASE_KAJIYA_KAY,
+        Phase::GradientLambert => PHASE_GRADIENT_LAMBERT,
+    }
+}
+
 mirrors! {
     /// A sun; see shaders/scene.wgsl, as for all that follow.
     struct Sun {
@@ -189,8 +203,10 @@ mirrors! {
         exponent: f32,
         /// Row of the table of N_p.
         highlight_row: u32,
+        /// PHASE_*.
+        phase: u32,
         /// Padding.
-        unused: [u32; 2],
+        unused: u32,
     }
 
     /// What is constant in a scene.

@@ -12,7 +12,7 @@ pub struct SceneNeeds {
     /// How the first segment gathers light.
     pub method: Method,
     /// How pile scatters.
-    pub phase: Phase,
+    pub phase: Option<Phase>,
     /// More than one scattering is allowed.
     pub long_paths: bool,
     /// Light of further scatterings is estimated.
@@ -65,7 +65,7 @@ impl SceneNeeds {
         let environment = every || scene.lights.environment.iter().any(|&c| c > 0.0);
         Self {
             method: settings.method,
-            phase: scene.pile.phase,
+            phase: scene.pile.shared_phase(),
             long_paths: every || settings.closing_bounce().unwrap_or(settings.bounces) > 1,
             closing: every || settings.closing_bounce().is_some(),
             linear_layers: scene.volumes.interpolation == Interpolation::Linear,
@@ -111,12 +111,7 @@ impl SceneNeeds {
             // Of these two the backend refuses `six-face`.
             Method::Exact | Method::SixFace => layout::METHOD_EXACT,
         };
-        let phase = match self.phase {
-            Phase::Isotropic => layout::PHASE_ISOTROPIC,
-            Phase::FrameLambert => layout::PHASE_FRAME_LAMBERT,
-            Phase::KajiyaKay => layout::PHASE_KAJIYA_KAY,
-            Phase::GradientLambert => layout::PHASE_GRADIENT_LAMBERT,
-        };
+        let phase = self.phase.map_or(layout::PHASE_OF_MATERIAL, layout::phase);
         let skeleton = match self.skeleton {
             None => layout::SKELETON_NONE,
             Some(SkeletonHeight::Winding) => layout::SKELETON_WINDING,

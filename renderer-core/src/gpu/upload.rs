@@ -6,12 +6,11 @@ use crate::design::Phase;
 use crate::render::RenderError;
 use crate::scene::{FormMesh, PileOptics, Scene, Skeleton, Sky, Volumes};
 
-use super::GpuContext;
 use super::layout::{
-    AreaLight, FORM_ROW, HIGHLIGHT_INTERVALS, MAX_AREAS, MAX_MATERIALS, MAX_SUNS, Material,
+    self, AreaLight, FORM_ROW, HIGHLIGHT_INTERVALS, MAX_AREAS, MAX_MATERIALS, MAX_SUNS, Material,
     SKY_SUMS, STITCH_FAR, STITCH_HERE, STITCH_LEFT, STITCH_NEAR, STITCH_RIGHT, SceneConstants, Sun,
 };
-use super::{highlight, pipelines::Pipelines};
+use super::{GpuContext, highlight, pipelines::Pipelines};
 
 /// Buffers and textures of one scene, and the scene they were made from.
 #[derive(Debug)]
@@ -241,7 +240,7 @@ fn stitch_words(skeleton: &Skeleton) -> Vec<u32> {
 /// Exponents whose table of N_p the pile needs, each once: the table's rows. Phases without a highlight never read it.
 fn exponents(pile: &PileOptics) -> Vec<f32> {
     let mut rows = Vec::new();
-    if pile.phase == Phase::KajiyaKay {
+    if pile.has(Phase::KajiyaKay) {
         for material in &pile.materials {
             if !rows.contains(&material.exponent) {
                 rows.push(material.exponent);
@@ -466,7 +465,8 @@ fn scene_constants(scene: &Scene) -> SceneConstants {
             specular: material.specular,
             exponent: material.exponent,
             highlight_row: row.unwrap_or(0) as u32,
-            unused: [0; 2],
+            phase: layout::phase(material.phase),
+            unused: 0,
         };
     }
     let mut environment = rgb(lights.environment);

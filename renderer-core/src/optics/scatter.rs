@@ -133,19 +133,19 @@ impl Vertex {
     }
 }
 
-/// The phase function and its parameters in each material.
+/// The phase function of each material, and its parameters.
 #[derive(Debug, Clone)]
 pub struct Optics {
-    phase: Phase,
     surface: SurfaceOptics,
     materials: Vec<Parameters>,
-    /// For each different p of `kajiya_kay`, N_p at equal steps of θ_v from 0 to π; empty for other phases.
+    /// For each different p of `kajiya_kay`, N_p at equal steps of θ_v from 0 to π; empty where no material has that phase.
     highlight_norms: Vec<Vec<f64>>,
 }
 
 /// The parameters of one material.
 #[derive(Debug, Clone, Copy)]
 struct Parameters {
+    phase: Phase,
     /// k of `frame_lambert` and `gradient_lambert`.
     transmission: f64,
     /// s and p of `kajiya_kay`.
@@ -156,7 +156,7 @@ struct Parameters {
 }
 
 impl Optics {
-    /// Prepares the phase function of `pile` and the surface of `skeleton`.
+    /// Prepares the phase functions of `pile` and the surface of `skeleton`.
     pub fn new(pile: &PileOptics, skeleton: &Skeleton) -> Self {
         let mut exponents: Vec<f64> = Vec::new();
         let mut parameters = |material: &Material| {
@@ -166,6 +166,7 @@ impl Optics {
                 exponents.push(exponent);
             }
             Parameters {
+                phase: material.phase,
                 transmission: f64::from(material.transmission),
                 specular: f64::from(material.specular),
                 exponent,
@@ -174,19 +175,19 @@ impl Optics {
         };
         let materials = pile.materials.iter().map(&mut parameters).collect();
         Self {
-            phase: pile.phase,
             surface: SurfaceOptics::new(skeleton),
             materials,
-            highlight_norms: match pile.phase {
-                Phase::KajiyaKay => exponents.into_iter().map(highlight_norms).collect(),
-                Phase::Isotropic | Phase::FrameLambert | Phase::GradientLambert => Vec::new(),
+            highlight_norms: if pile.has(Phase::KajiyaKay) {
+                exponents.into_iter().map(highlight_norms).collect()
+            } else {
+                Vec::new()
             },
         }
     }
 
-    /// Which phase function it is.
-    pub fn phase(&self) -> Phase {
-        self.phase
+    /// Which phase function a material has.
+    pub fn phase(&self, material: usize) -> Phase {
+        self.materials[material].phase
     }
 
     /// ψ/albedo for light from `light`, seen from `view`.

@@ -55,7 +55,7 @@ impl Tracer {
         let frame = self.frame(place);
         let look = self.scene.looks[place.index];
         let material = usize::from(look.material);
-        let lobe = match self.optics.phase() {
+        let lobe = match self.optics.phase(material) {
             Phase::Isotropic => Lobe::Isotropic,
             Phase::FrameLambert => Lobe::Frame {
                 normal: frame.normal,

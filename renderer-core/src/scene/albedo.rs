@@ -17,6 +17,7 @@
 use super::escape::{
     BIN_ENDS, BINS, Column, FRAME_LAMBERT, GRADIENT_LAMBERT, ISOTROPIC, KAJIYA_KAY,
 };
+use super::finish::wet_reflectance;
 use crate::design::Phase;
 
 /// Reflectances for which the inverse is tabulated; between them it is linear to a thousandth.
@@ -104,8 +105,17 @@ impl AlbedoTable {
 
 /// Single-scatter albedo of each channel whose cloth reflects `linear_rgb` (each in [0, 1]).
 pub fn albedo_from_reflectance(linear_rgb: [f64; 3], table: &AlbedoTable) -> [f64; 3] {
+    wet_albedo_from_reflectance(linear_rgb, table, 0.0)
+}
+
+/// The same of cloth that reflects `linear_rgb` when it is dry, and is wet.
+pub(super) fn wet_albedo_from_reflectance(
+    linear_rgb: [f64; 3],
+    table: &AlbedoTable,
+    wetness: f64,
+) -> [f64; 3] {
     let reached = table.reached(linear_rgb);
-    [0, 1, 2].map(|c| table.channels[c].albedo(reached[c]))
+    [0, 1, 2].map(|c| table.channels[c].albedo(wet_reflectance(reached[c], wetness)))
 }
 
 impl Channel {

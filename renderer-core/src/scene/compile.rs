@@ -3,16 +3,16 @@
 //! Each section has inputs; if they equal those of the last design, it keeps its `Arc`. Which parts of a design a section
 //! depends on:
 //!
-//! | section  | sheet | weave | chart, length           | pile             | turbulence | skeleton     | form | light | quality |
-//! | -------- | ----- | ----- | ----------------------- | ---------------- | ---------- | ------------ | ---- | ----- | ------- |
-//! | sheet    | ×     |       |                         |                  |            |              |      |       |         |
-//! | loops    | ×     | ×     | each cell's length      | shape of frames  | ×          | yarns' shape |      |       |         |
-//! | looks    | ×     | ×     | colours, table          | optics, variants | seed       | colour       |      |       | bounces |
-//! | volumes  |       |       | reference length, kinds | yarn, volume     |            |              |      |       |         |
-//! | pile     |       |       | table                   | phase, density   |            |              |      |       |         |
-//! | skeleton |       | ×     |                         |                  |            | ×            |      |       |         |
-//! | form     | ×     | loops | loops                   | loops            | loops      | yarns' shape | ×    |       |         |
-//! | lights   |       |       |                         |                  |            |              |      | ×     |         |
+//! | section  | sheet | weave | chart, length           | pile             | finish, nap    | turbulence | skeleton     | form | light | quality |
+//! | -------- | ----- | ----- | ----------------------- | ---------------- | -------------- | ---------- | ------------ | ---- | ----- | ------- |
+//! | sheet    | ×     |       |                         |                  |                |            |              |      |       |         |
+//! | loops    | ×     | ×     | each cell's length      | shape of frames  | ×              | ×          | yarns' shape |      |       |         |
+//! | looks    | ×     | ×     | colours, table          | optics, variants | shears, water  | seed       | colour       |      |       | bounces |
+//! | volumes  |       |       | reference length, kinds | yarn, volume     | whether, water |            |              |      |       |         |
+//! | pile     |       |       | table                   | phase, density   | whether, water |            |              |      |       |         |
+//! | skeleton |       | ×     |                         |                  | water          |            | ×            |      |       |         |
+//! | form     | ×     | loops | loops                   | loops            | loops          | loops      | yarns' shape | ×    |       |         |
+//! | lights   |       |       |                         |                  |                |            |              |      | ×     |         |
 //!
 //! The form of level cloth depends on nothing; that of any other is made anew when the loops are, whose height it must hold.
 //!
@@ -24,9 +24,10 @@ use std::time::Instant;
 
 use super::cancel::{Cancel, Cancelled};
 use super::chart::ChartOnSheet;
-use super::frames::FrameSettings;
+use super::finish::{Finishing, wet_pile};
+use super::frames::FrameRules;
 use super::grid::{self, NoGrid};
-use super::length::{CellLengths, LengthRule};
+use super::length::Cells;
 use super::looks::{Materials, looks};
 use super::plant::{Frames, LoopsInputs};
 use super::report::{CompileReport, SECTIONS, timed};
@@ -39,7 +40,7 @@ use super::{
     SheetGeometry, Skeleton, Volumes,
 };
 use crate::design::{
-    Chart, Colour, Design, Fault, Filter, Form, FormKind, Length, Phase, Pile, PileKind,
+    Chart, Colour, Design, Fault, Filter, Form, FormKind, Length, Phase, Pile, PileKind, Sheared,
     Turbulence, Warning,
 };
 use crate::render::{Skip, Skips};
@@ -121,7 +122,7 @@ pub struct Compiler {
     skips: Skips,
     /// The last whole scene.
     scene: Option<Arc<Scene>>,
-    lengths: Option<(LengthsInputs, CellLengths)>,
+    cells: Option<(CellsInputs, Cells)>,
     turbulence: Option<(TurbulenceInputs, Arc<TurbulenceField>)>,
     loops: Option<(LoopsInputs, Section<Loops>)>,
     looks: Option<(LooksOfLoops, Section<Vec<LoopLook>>)>,
@@ -148,12 +149,12 @@ type FormInputs = (Form, SheetGeometry, Section<Loops>, [f64; 2]);
 /// Everything that the turbulence follows from.
 type TurbulenceInputs = (SheetGeometry, Turbulence);
 
-/// Everything that the lengths of cells follow from.
+/// Everything that follows from the chart in each cell for frames.
 #[derive(Debug, Clone, PartialEq)]
-struct LengthsInputs {
+struct CellsInputs {
     chart: Chart,
     length: Length,
-    cells: [u32; 2],
+    sheet: SheetGeometry,
 }
 
 /// Everything that the looks follow from, besides which loops there are.
@@ -165,6 +166,9 @@ struct LooksInputs {
     /// How much of the light comes back depends on these two: see `albedo`.
     bounces: u32,
     ground: Colour,
+    wetness: f64,
+    /// At which height follows from the loops.
+    sheared: Sheared,
     seed: u32,
 }
 
@@ -172,7 +176,8 @@ struct LooksInputs {
 #[derive(Debug, Clone, PartialEq)]
 struct VolumesInputs {
     pile: Pile,
-    kinds: Vec<PileKind>,
+    /// Kinds of pile, and the diameter of the yarn of each, mm.
+    yarns: Vec<(PileKind, f64)>,
     /// That of the longest loop there may be. Arch, twist and stray fibres are drawn in mm, so that this shows in every voxel; an
     /// edit of lengths that leaves the longest alone keeps the volumes.
     reference_length_mm: f64,
@@ -259,9 +264,9 @@ impl Compiler {
         let old = self.scene.clone();
         let old = old.as_deref();
         let sheet = SheetGeometry::new(design);
-        let skeleton = Skeleton::new(&design.weave, &design.skeleton);
+        let skeleton = Skeleton::new(&design.weave, &design.skeleton).wet(design.finish.wetness);
         let materials = Materials::new(design);
-        let optics = PileOptics::new(design, &materials);
+        let optics = PileOptics::new(&materials);
 
         let loops_inputs = self.loops_inputs(design);
         let kept_loops = kept(self.loops.as_ref(), &loops_inputs);
@@ -277,6 +282,8 @@ impl Compiler {
             pile: design.pile.clone(),
             bounces: design.quality.bounces,
             ground: design.skeleton.colour,
+            wetness: design.finish.wetness,
+            sheared: design.finish.sheared,
             seed: design.turbulence.seed,
         };
         let looks_inputs = (looks_inputs, loops.clone());
@@ -291,7 +298,7 @@ impl Compiler {
         };
         cancel.check()?;
 
-        let volumes_inputs = VolumesInputs::new(design, &materials);
+        let volumes_inputs = VolumesInputs::new(design, &materials, &optics);
         let volumes = match kept(self.volumes.as_ref(), &volumes_inputs) {
             Some(volumes) => volumes,
             None => {
@@ -337,8 +344,9 @@ impl Compiler {
             sheet,
             weave: design.weave.clone(),
             roots: RootHeights::new(&skeleton, &sheet, design.pile.base_width),
-            lengths: self.lengths_of(design, &sheet),
-            frames: FrameSettings::new(&design.pile),
+            cells: self.cells_of(design, sheet),
+            frames: FrameRules::new(design),
+            finishing: Finishing::new(design, &sheet),
             turbulence: design.turbulence.clone(),
         }
     }
@@ -370,26 +378,21 @@ impl Compiler {
         Ok(made)
     }
 
-    fn lengths_of(&mut self, design: &Design, sheet: &SheetGeometry) -> CellLengths {
-        let inputs = LengthsInputs {
+    fn cells_of(&mut self, design: &Design, sheet: SheetGeometry) -> Cells {
+        let inputs = CellsInputs {
             chart: design.chart.clone(),
             length: design.length.clone(),
-            cells: [sheet.warps, sheet.wefts],
+            sheet,
         };
-        if let Some(lengths) = kept(self.lengths.as_ref(), &inputs) {
-            return lengths;
+        if let Some(cells) = kept(self.cells.as_ref(), &inputs) {
+            return cells;
         }
-        let lengths = timed(&mut self.report.seconds.lengths, || {
+        let cells = timed(&mut self.report.seconds.lengths, || {
             let chart = ChartOnSheet::new(&design.chart, sheet.warps, sheet.wefts);
-            CellLengths::new(
-                &LengthRule::new(&design.length),
-                &chart,
-                sheet.warps,
-                sheet.wefts,
-            )
+            Cells::new(&design.length, &chart, &sheet)
         });
-        self.lengths = Some((inputs, lengths.clone()));
-        lengths
+        self.cells = Some((inputs, cells.clone()));
+        cells
     }
 
     fn build_loops(
@@ -497,11 +500,14 @@ impl SheetGeometry {
 impl VolumesInputs {
     /// The volumes' pile is the design's with everything that only concerns frames and light at its default, so that
     /// volumes cannot depend on it.
-    fn new(design: &Design, materials: &Materials) -> Self {
+    fn new(design: &Design, materials: &Materials, optics: &PileOptics) -> Self {
         let defaults = Pile::default();
         let reference_length_mm = design.length.longest().min(design.pile.max_length);
         let pile = Pile {
             top_width: defaults.top_width,
+            // Materials tell the kinds and diameters.
+            kind: defaults.kind,
+            yarn_diameter: defaults.yarn_diameter,
             density: defaults.density,
             max_albedo: defaults.max_albedo,
             max_length: defaults.max_length,
@@ -517,20 +523,21 @@ impl VolumesInputs {
             specular: defaults.specular,
             exponent: defaults.exponent,
             // Only fibres need their directions in the volumes.
-            phase: match design.pile.phase {
-                Phase::KajiyaKay => Phase::KajiyaKay,
-                Phase::Isotropic | Phase::FrameLambert | Phase::GradientLambert => defaults.phase,
+            phase: if optics.has(Phase::KajiyaKay) {
+                Phase::KajiyaKay
+            } else {
+                defaults.phase
             },
-            ..design.pile.clone()
+            ..wet_pile(&design.pile, design.finish.wetness)
         };
         Self {
             pile,
-            kinds: materials.kinds.clone(),
+            yarns: materials.yarns.clone(),
             reference_length_mm,
         }
     }
 
     fn build(&self, cancel: &Cancel<'_>) -> Volumes {
-        rasterise_unless_cancelled(&self.pile, &self.kinds, self.reference_length_mm, cancel)
+        rasterise_unless_cancelled(&self.pile, &self.yarns, self.reference_length_mm, cancel)
     }
 }

@@ -6,9 +6,10 @@
 
 use glam::DVec3;
 
+use super::finish::{Finishing, LoopFinish, wet_pile};
 use super::skeleton::Face;
 use super::{LoopCounts, LoopPatch};
-use crate::design::Pile;
+use crate::design::{Design, LengthEntry, Pile};
 use crate::sampling::{hash_with, unit_float};
 
 /// Steepest lean, radians.
@@ -72,7 +73,7 @@ impl FrameSettings {
 
 impl FrameSettings {
     /// The longest that loops get whose lengths from the chart are at most `chart_mm`.
-    pub(super) fn longest_mm(&self, chart_mm: f64) -> f64 {
+    fn longest_mm(&self, chart_mm: f64) -> f64 {
         let [.., length_jitter] = self.jitter;
         (chart_mm * (1.0 + self.stretch + length_jitter)).min(self.max_length)
     }
@@ -81,6 +82,50 @@ impl FrameSettings {
     /// width to the root's are moved towards 1 where they are.
     pub(super) fn half_top_mm(&self, step_mm: f64) -> f64 {
         0.5 * self.top_ratio.max(1.0) * self.base_width.hypot(step_mm)
+    }
+}
+
+/// The settings of a design's loops: of the pile, or of each row of the length table where rows have their own.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct FrameRules(Vec<FrameSettings>);
+
+impl FrameRules {
+    pub(super) fn new(design: &Design) -> Self {
+        let (pile, rows) = (&design.pile, design.length.rows());
+        let settings = |pile: &Pile| FrameSettings::new(&wet_pile(pile, design.finish.wetness));
+        if rows.iter().any(LengthEntry::has_own_frame) {
+            let of_row = |row: &LengthEntry| settings(&row.of_pile(pile));
+            Self(rows.iter().map(of_row).collect())
+        } else {
+            Self(vec![settings(pile)])
+        }
+    }
+
+    /// Settings of a row, 0 where rows have none of their own.
+    pub(super) fn of_row(&self, row: usize) -> &FrameSettings {
+        &self.0[row]
+    }
+
+    /// Settings of all rows.
+    pub(super) fn all(&self) -> &[FrameSettings] {
+        &self.0
+    }
+
+    /// What is the same in all rows: width at the root, thickness, and all that turbulence and chance do but tilt.
+    pub(super) fn common(&self) -> &FrameSettings {
+        &self.0[0]
+    }
+
+    /// The longest that loops get whose lengths from the chart are at most `chart_mm`, mm.
+    pub(super) fn longest_mm(&self, chart_mm: f64, finishing: &Finishing) -> f64 {
+        let common = self.common();
+        (common.longest_mm(chart_mm) + finishing.longer_mm()).min(common.max_length)
+    }
+
+    /// The longest that half the top edge of any loop gets: [`FrameSettings::half_top_mm`].
+    pub(super) fn half_top_mm(&self, step_mm: f64) -> f64 {
+        let rows = self.0.iter().map(|row| row.half_top_mm(step_mm));
+        rows.fold(0.0, f64::max)
     }
 }
 
@@ -97,6 +142,8 @@ pub struct LoopInput {
     pub turbulence: [f64; 4],
     /// Its independent random part.
     pub jitter: Jitter,
+    /// What happens to it after weaving.
+    pub finish: LoopFinish,
 }
 
 /// The independent random part of a loop, without strengths.
@@ -137,32 +184,54 @@ pub fn loop_shape(
 ) -> Option<LoopPatch> {
     let [tilt_x, tilt_y, stretch, twist] = input.turbulence;
     let [lean_jitter, twist_jitter, length_jitter] = settings.jitter;
-    let wanted_length =
+    let mut wanted_length =
         input.length * (1.0 + settings.stretch * stretch + length_jitter * input.jitter.length);
     let length = wanted_length.min(settings.max_length);
     if length < SHORTEST_MM {
         return None;
     }
 
+    let drawn = lean_to(input.finish.drawn_mm, length);
     let lean: [f64; 2] = std::array::from_fn(|axis| {
         settings.lean[axis]
             + settings.tilt * [tilt_x, tilt_y][axis]
             + lean_jitter * input.jitter.lean[axis]
+            + input.finish.lean[axis]
+            + drawn[axis]
     });
-    let amount = lean[0].hypot(lean[1]);
-    let (towards, angle) = if amount < 1e-6 {
-        // The direction of so small a lean is rounding noise.
-        ([0.0; 2], 0.0)
-    } else {
-        ([lean[0] / amount, lean[1] / amount], amount.min(MAX_LEAN))
-    };
     let twist =
         (settings.twist * twist + twist_jitter * input.jitter.twist).clamp(-MAX_TWIST, MAX_TWIST);
 
-    let stance = Stance::new(settings.base_width, input, length, towards, twist);
-    let (frame, lean_kept, ratio) = stance.stand(angle, settings.top_ratio);
+    let standing = |lean, length| {
+        let (towards, angle) = direction_of(lean);
+        let stance = Stance::new(settings.base_width, input, length, towards, twist);
+        let (frame, lean_kept, ratio) = stance.stand(angle, settings.top_ratio);
+        (stance, (frame, angle, lean_kept, ratio))
+    };
+    let (stance, mut stood) = standing(lean, length);
+    let mut is_cut = false;
+    match input
+        .finish
+        .shear_mm
+        .map(|shear_mm| stance.shorn(&stood.0, shear_mm))
+    {
+        Some(Shorn::Away) => return None,
+        Some(Shorn::At(cut)) => (stood.0, is_cut) = (cut, true),
+        Some(Shorn::Not) | None if input.finish.pulled_mm > 0.0 => {
+            wanted_length += input.finish.pulled_mm;
+            let longer = wanted_length.min(settings.max_length);
+            // As long a loop as lies on the pile with all its slack leans that far, and each some share of it its own way.
+            let limp = (length / longer).acos();
+            let lean = [0, 1].map(|axis| lean[axis] + limp * input.jitter.lean[axis]);
+            stood = standing(lean, longer).1;
+        }
+        _ => {}
+    }
+    let (frame, angle, lean_kept, ratio) = stood;
     let [b, c] = frame.edges();
-    if b.cross(c).length() < DEGENERATE * settings.base_width * length {
+    if (is_cut && frame.skew() > MAX_SKEW)
+        || b.cross(c).length() < DEGENERATE * settings.base_width * c.length()
+    {
         counts.dropped += 1;
         return None;
     }
@@ -186,6 +255,37 @@ pub fn loop_shape(
         "{input:?} gives {shape:?}"
     );
     Some(shape)
+}
+
+/// Direction in the sheet's plane and angle of a lean, which stops at [`MAX_LEAN`].
+fn direction_of(lean: [f64; 2]) -> ([f64; 2], f64) {
+    let amount = lean[0].hypot(lean[1]);
+    if amount < 1e-6 {
+        // The direction of so small a lean is rounding noise.
+        ([0.0; 2], 0.0)
+    } else {
+        ([lean[0] / amount, lean[1] / amount], amount.min(MAX_LEAN))
+    }
+}
+
+/// The lean that brings the tip of an upright loop as far as this, mm, or as far as it gets.
+fn lean_to(way_mm: [f64; 2], length_mm: f64) -> [f64; 2] {
+    let distance = way_mm[0].hypot(way_mm[1]);
+    if distance == 0.0 {
+        return [0.0; 2];
+    }
+    let angle = (distance / length_mm).min(1.0).asin();
+    way_mm.map(|mm| mm / distance * angle)
+}
+
+/// What shears make of a loop.
+enum Shorn {
+    /// It does not reach them.
+    Not,
+    /// A tuft whose top is level, as far as it reached them.
+    At(Frame),
+    /// It is cut below its roots.
+    Away,
 }
 
 /// A loop that stands on its roots; its lean and top ratio are still open.
@@ -263,6 +363,38 @@ impl Stance {
         }
         lean = self.raised(lean, ratio);
         (self.frame(lean, ratio), lean, ratio)
+    }
+
+    /// What shears leave that cut at this height over the sheet's plane. The highest corner of what they reach is there.
+    fn shorn(&self, frame: &Frame, height: f64) -> Shorn {
+        let rise = self.normal.dot(frame.axis);
+        let (top, over) = (self.root_height + rise, self.normal.dot(frame.half_top));
+        if top + over.abs() <= height {
+            return Shorn::Not;
+        }
+        let middle = top.min(height);
+        if middle - self.root_height < SHORTEST_MM {
+            return Shorn::Away;
+        }
+        let left = over.abs().min(height - middle).copysign(over);
+        let mut cut = Frame {
+            axis: frame.axis * ((middle - self.root_height) / rise),
+            half_top: frame.half_top + (left - over) * self.normal,
+            ..*frame
+        };
+        // A top that was turned steeply upwards lies askew when it is level: it is turned back as far as it must be.
+        let level = 0.5 * (self.base_edge - self.normal.dot(self.base_edge) * self.normal)
+            + left * self.normal;
+        let turned = |share: f64| Frame {
+            half_top: level + share * (cut.half_top - level),
+            ..cut
+        };
+        if cut.skew() > MAX_SKEW {
+            cut = turned(last_good(0.0, 1.0, |share| {
+                turned(share).skew() <= MAX_SKEW
+            }));
+        }
+        Shorn::At(cut)
     }
 
     fn raised(&self, lean: f64, ratio: f64) -> f64 {

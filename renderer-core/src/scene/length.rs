@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::chart::ChartOnSheet;
 use super::curve::MonotoneCurve;
 use crate::design::{Length, LengthEntry, LengthMap};
+use crate::scene::SheetGeometry;
 
 /// How colours become lengths.
 #[derive(Debug, Clone)]
@@ -86,56 +87,95 @@ fn oklab(colour: [u8; 3]) -> Oklab<f64> {
     Oklab::from_color(encoded.into_linear())
 }
 
-/// Length of the loop of every cell before turbulence, mm; 0 plants nothing.
+/// What the chart decides for the loops of every cell.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum CellLengths {
+pub(super) enum PerCell<T> {
     /// All cells alike.
-    Uniform(f32),
+    Uniform(T),
     /// Row by row.
-    Each(Vec<f32>),
+    Each(Vec<T>),
 }
 
-impl CellLengths {
-    /// Lengths of a sheet of `warps` × `wefts` cells.
-    pub(super) fn new(rule: &LengthRule, chart: &ChartOnSheet<'_>, warps: u32, wefts: u32) -> Self {
-        let length = |colour: Option<[u8; 3]>| colour.map_or(0.0, |c| rule.length_mm(c) as f32);
+impl<T: Copy + Default + PartialEq + Send + Sync> PerCell<T> {
+    /// What `of` gives for the colour of each cell; the default where the chart is transparent.
+    fn new(
+        chart: &ChartOnSheet<'_>,
+        sheet: &SheetGeometry,
+        of: impl Fn([u8; 3]) -> T + Sync,
+    ) -> Self {
         if chart.is_uniform() {
-            return Self::Uniform(length(chart.colour(0, 0)));
+            return Self::Uniform(chart.colour(0, 0).map_or(T::default(), of));
         }
-        let (warps, wefts) = (warps as usize, wefts as usize);
-        let mut lengths = vec![0.0; warps * wefts];
-        let rows = lengths.par_chunks_mut(warps).enumerate();
+        let (warps, wefts) = (sheet.warps as usize, sheet.wefts as usize);
+        let mut cells = vec![T::default(); warps * wefts];
+        let rows = cells.par_chunks_mut(warps).enumerate();
         rows.for_each_init(
-            || ColourCache::new(|colour| length(Some(colour))),
+            || ColourCache::new(&of),
             |cache, (j, row)| {
                 for (i, value) in row.iter_mut().enumerate() {
-                    *value = chart.colour(i, j).map_or(0.0, |colour| cache.get(colour));
+                    let colour = chart.colour(i, j);
+                    *value = colour.map_or(T::default(), |colour| cache.get(colour));
                 }
             },
         );
         // An image that says the same everywhere is no other input than no image.
-        let first = lengths[0];
-        if lengths.iter().all(|&length| length == first) {
+        let first = cells[0];
+        if cells.iter().all(|&value| value == first) {
             Self::Uniform(first)
         } else {
-            Self::Each(lengths)
+            Self::Each(cells)
+        }
+    }
+
+    /// That of the cell with row-by-row index `cell`.
+    pub(super) fn at(&self, cell: usize) -> T {
+        match self {
+            Self::Uniform(value) => *value,
+            Self::Each(cells) => cells[cell],
+        }
+    }
+}
+
+/// What decides the frames of every cell's loops, besides turbulence.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Cells {
+    /// Length before turbulence, mm; 0 plants nothing.
+    lengths: PerCell<f32>,
+    /// Row of the table, where rows have frames of their own: see [`super::frames::FrameRules`].
+    rows: PerCell<u8>,
+}
+
+impl Cells {
+    /// The cells of a sheet.
+    pub(super) fn new(length: &Length, chart: &ChartOnSheet<'_>, sheet: &SheetGeometry) -> Self {
+        let rule = LengthRule::new(length);
+        let rows = if length.rows().iter().any(LengthEntry::has_own_frame) {
+            PerCell::new(chart, sheet, |colour| rule.row(colour).unwrap_or(0) as u8)
+        } else {
+            PerCell::Uniform(0)
+        };
+        Self {
+            lengths: PerCell::new(chart, sheet, |colour| rule.length_mm(colour) as f32),
+            rows,
         }
     }
 
     /// The longest, mm.
-    pub(super) fn longest(&self) -> f64 {
-        f64::from(match self {
-            Self::Uniform(length) => *length,
-            Self::Each(lengths) => lengths.par_iter().copied().reduce(|| 0.0, f32::max),
+    pub(super) fn longest_mm(&self) -> f64 {
+        f64::from(match &self.lengths {
+            PerCell::Uniform(length) => *length,
+            PerCell::Each(lengths) => lengths.par_iter().copied().reduce(|| 0.0, f32::max),
         })
     }
 
-    /// Length of the cell with row-by-row index `cell`.
-    pub(super) fn at(&self, cell: usize) -> f64 {
-        f64::from(match self {
-            Self::Uniform(length) => *length,
-            Self::Each(lengths) => lengths[cell],
-        })
+    /// Length of the cell with row-by-row index `cell`, mm.
+    pub(super) fn length_mm(&self, cell: usize) -> f64 {
+        f64::from(self.lengths.at(cell))
+    }
+
+    /// Row of the table of that cell; 0 where no row has frames of its own.
+    pub(super) fn row(&self, cell: usize) -> usize {
+        usize::from(self.rows.at(cell))
     }
 }
 

@@ -2,73 +2,98 @@
 
 use rayon::prelude::*;
 
-use super::albedo::{AlbedoTable, Dye, albedo_from_reflectance};
+use super::albedo::{AlbedoTable, Dye, wet_albedo_from_reflectance};
 use super::chart::ChartOnSheet;
+use super::finish::{is_shorn, shear_mm, shorn, wet_pile, wet_reflectance};
 use super::frames::loop_hash;
 use super::length::{ColourCache, LengthRule};
+use super::skeleton::Face;
 use super::{Cancel, LoopLook, Loops, Material, PileOptics, SheetGeometry};
-use crate::design::{Colour, Design, LengthMap, PileKind};
+use crate::design::{Colour, Design, Phase, Pile, PileKind, Sheared};
 use crate::sampling::hash_with;
 
 /// The materials of a design, and which of them each row of its length table uses.
 pub(super) struct Materials {
     pub(super) list: Vec<Material>,
-    pub(super) kinds: Vec<PileKind>,
+    /// What volumes are drawn of, each with the diameter of its yarn, mm.
+    pub(super) yarns: Vec<(PileKind, f64)>,
     of_row: Vec<u8>,
+    /// What becomes of each material where it is shorn.
+    shorn: Vec<u8>,
 }
 
 impl Materials {
     pub(super) fn new(design: &Design) -> Self {
         let pile = &design.pile;
-        let mut kinds = vec![pile.kind];
-        let mut list = vec![Material {
+        let mut materials = Self {
+            list: Vec::new(),
+            yarns: Vec::new(),
+            of_row: Vec::new(),
+            shorn: Vec::new(),
+        };
+        let wetness = design.finish.wetness;
+        materials.index_of(&wet_pile(pile, wetness));
+        let rows = design.length.rows().iter();
+        materials.of_row = rows
+            .map(|row| materials.index_of(&wet_pile(&row.of_pile(pile), wetness)))
+            .collect();
+        if design.finish.sheared != Sheared::None {
+            for index in 0..materials.list.len() {
+                let material = materials.list[index];
+                let (kind, diameter) = materials.yarns[material.kind as usize];
+                let kind = index_or_push(&mut materials.yarns, (shorn(kind), diameter)) as u32;
+                let shorn = index_or_push(&mut materials.list, Material { kind, ..material });
+                materials.shorn.push(shorn as u8);
+            }
+        }
+        materials
+    }
+
+    /// The material of a pile, which is added if it is new.
+    fn index_of(&mut self, pile: &Pile) -> u8 {
+        let yarn = (pile.kind, pile.yarn_diameter);
+        let material = Material {
             density_per_mm: pile.density as f32,
-            kind: 0,
+            kind: index_or_push(&mut self.yarns, yarn) as u32,
+            phase: pile.phase,
             transmission: pile.transmission as f32,
             specular: pile.specular as f32,
             exponent: pile.exponent as f32,
-        }];
-        let rows = match design.length.map {
-            LengthMap::Lut => design.length.table.as_slice(),
-            LengthMap::Constant | LengthMap::Gray => &[],
         };
-        let of_row = rows
-            .iter()
-            .map(|row| {
-                let wanted = row.kind.unwrap_or(pile.kind);
-                let kind = kinds.iter().position(|&kind| kind == wanted);
-                let material = Material {
-                    density_per_mm: row.density.unwrap_or(pile.density) as f32,
-                    kind: kind.unwrap_or(kinds.len()) as u32,
-                    transmission: row.transmission.unwrap_or(pile.transmission) as f32,
-                    specular: row.specular.unwrap_or(pile.specular) as f32,
-                    exponent: row.exponent.unwrap_or(pile.exponent) as f32,
-                };
-                if kind.is_none() {
-                    kinds.push(wanted);
-                }
-                let known = list.iter().position(|&known| known == material);
-                if known.is_none() {
-                    list.push(material);
-                }
-                known.unwrap_or(list.len() - 1) as u8
-            })
-            .collect();
-        Self {
-            list,
-            kinds,
-            of_row,
-        }
+        index_or_push(&mut self.list, material) as u8
     }
+}
+
+/// Where a value is in a list, to which it is added if it is new.
+fn index_or_push<T: PartialEq>(list: &mut Vec<T>, value: T) -> usize {
+    list.iter()
+        .position(|known| *known == value)
+        .unwrap_or_else(|| {
+            list.push(value);
+            list.len() - 1
+        })
 }
 
 impl PileOptics {
     /// How the pile of a design scatters.
-    pub(super) fn new(design: &Design, materials: &Materials) -> Self {
+    pub(super) fn new(materials: &Materials) -> Self {
         Self {
-            phase: design.pile.phase,
             materials: materials.list.clone(),
         }
+    }
+
+    /// The phase function that all materials share, if they do.
+    pub fn shared_phase(&self) -> Option<Phase> {
+        let phase = self.materials.first()?.phase;
+        let mut materials = self.materials.iter();
+        materials.all(|other| other.phase == phase).then_some(phase)
+    }
+
+    /// Whether any material has this phase function.
+    pub fn has(&self, phase: Phase) -> bool {
+        self.materials
+            .iter()
+            .any(|material| material.phase == phase)
     }
 }
 
@@ -82,10 +107,16 @@ pub(super) fn looks(
 ) -> Vec<LoopLook> {
     let chart = ChartOnSheet::new(&design.chart, sheet.warps, sheet.wefts);
     let rule = LengthRule::new(&design.length);
+    let wetness = design.finish.wetness;
+    let shears_mm = [Face::Front, Face::Back].map(|face| shear_mm(&design.finish, face));
     let dye = |material: &Material| Dye {
-        phase: design.pile.phase,
+        phase: material.phase,
         transmission: f64::from(material.transmission),
-        ground: design.skeleton.colour.linear(),
+        ground: design
+            .skeleton
+            .colour
+            .linear()
+            .map(|ground| wet_reflectance(ground, wetness)),
         bounces: design.quality.bounces,
         max_albedo: design.pile.max_albedo,
     };
@@ -99,7 +130,7 @@ pub(super) fn looks(
         let scale = row.map_or(1.0, |row| design.length.table[row].albedo_scale);
         let material = row.map_or(0, |row| materials.of_row[row]);
         let table = &tables[usize::from(material)];
-        let albedo = albedo_from_reflectance(Colour(colour).linear(), table);
+        let albedo = wet_albedo_from_reflectance(Colour(colour).linear(), table, wetness);
         let stored = albedo.map(|a| ((a * scale).clamp(0.0, 1.0) * 65535.0).round() as u16);
         (stored, material)
     };
@@ -117,6 +148,14 @@ pub(super) fn looks(
                     let colour = chart.colour(i as usize, j as usize).unwrap_or_default();
                     let (albedo, material) = cache.get(colour);
                     let hash = loop_hash(design.turbulence.seed, i, j, planted.face);
+                    let shear_mm = shears_mm[usize::from(planted.face == Face::Back)];
+                    let patch = loops.patch(planted.index as usize);
+                    let material = if is_shorn(&patch, planted.face, shear_mm, loops.length_unit_mm)
+                    {
+                        materials.shorn[usize::from(material)]
+                    } else {
+                        material
+                    };
                     LoopLook {
                         albedo,
                         variant: (hash_with(hash, 4) % design.pile.variants) as u8,

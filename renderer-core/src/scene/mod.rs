@@ -16,6 +16,7 @@ mod chart;
 mod compile;
 mod curve;
 pub mod escape;
+mod finish;
 mod form;
 mod frames;
 mod grid;
@@ -23,6 +24,7 @@ mod length;
 mod lights;
 mod looks;
 mod loops;
+mod nap;
 mod noise_rows;
 mod plant;
 mod report;
@@ -38,6 +40,7 @@ pub use cells::CellSet;
 pub use chart::ChartOnSheet;
 pub use compile::{CompileError, Compiler, SeenScene, compile, warnings};
 pub use curve::MonotoneCurve;
+pub use finish::{LoopFinish, wet_reflectance};
 pub use form::{FormMesh, Net, ORDERS, Order, TetMap, bent_box, net_through, rest_place};
 pub use frames::{
     FrameSettings, Jitter, LoopInput, MAX_LEAN, MAX_SKEW, MAX_TWIST, loop_hash, loop_shape,

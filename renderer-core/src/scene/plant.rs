@@ -5,9 +5,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::bounds::box_of;
-use super::frames::{FrameSettings, Jitter, LoopInput, loop_hash, loop_shape};
+use super::finish::Finishing;
+use super::frames::{FrameRules, Jitter, LoopInput, loop_hash, loop_shape};
 use super::grid::{Planted, WholePile};
-use super::length::CellLengths;
+use super::length::Cells;
 use super::skeleton::{Face, RootHeights};
 use super::turbulence::{TurbulenceField, Wanted};
 use super::{Cancel, CellSet, LoopCounts, LoopPatch, SeenCells, SheetGeometry};
@@ -19,8 +20,9 @@ pub(super) struct LoopsInputs {
     pub(super) sheet: SheetGeometry,
     pub(super) weave: Weave,
     pub(super) roots: RootHeights,
-    pub(super) lengths: CellLengths,
-    pub(super) frames: FrameSettings,
+    pub(super) cells: Cells,
+    pub(super) frames: FrameRules,
+    pub(super) finishing: Finishing,
     pub(super) turbulence: Turbulence,
 }
 
@@ -60,7 +62,7 @@ impl LoopsInputs {
         let (warps, wefts) = (self.sheet.warps as usize, self.sheet.wefts as usize);
         let faces = self.faces();
         CellSet::from_fn(warps, wefts, |i, j| {
-            faces.at(i, j) != [false; 2] && self.lengths.at(j * warps + i) > 0.0
+            faces.at(i, j) != [false; 2] && self.cells.length_mm(j * warps + i) > 0.0
         })
     }
 
@@ -76,7 +78,9 @@ impl LoopsInputs {
     /// [`Self::sampled`].
     pub(super) fn whole_pile(&self, turbulence: &TurbulenceField, standing: &CellSet) -> WholePile {
         let ([low, high], step) = self.roots.range();
-        let longest = self.frames.longest_mm(self.lengths.longest());
+        let longest = self
+            .frames
+            .longest_mm(self.cells.longest_mm(), &self.finishing);
         let half_top = self.frames.half_top_mm(step);
         let largest = longest.max(half_top).max(high).max(-low);
         let (cells, faces) = (Self::sampled(standing), self.faces());
@@ -102,17 +106,12 @@ impl LoopsInputs {
 
     /// What frames in these cells need of the turbulence: channels that move nothing are not needed.
     pub(super) fn wanted(&self, frames: Frames<'_>, standing: &CellSet) -> Wanted {
-        let settings = &self.frames;
+        let settings = self.frames.common();
+        let tilts = self.frames.all().iter().any(|row| row.tilt != 0.0);
         match frames {
             Frames::Of(cells) | Frames::Seen(cells, _) => Wanted {
                 cells: cells.clone().or(&Self::sampled(standing)),
-                channels: [
-                    settings.tilt,
-                    settings.tilt,
-                    settings.stretch,
-                    settings.twist,
-                ]
-                .map(|strength| strength != 0.0),
+                channels: [tilts, tilts, settings.stretch != 0.0, settings.twist != 0.0],
             },
             Frames::All => Wanted::all(&self.sheet),
         }
@@ -145,8 +144,8 @@ impl LoopsInputs {
             patches: Vec::with_capacity(count),
             warps: Vec::with_capacity(count),
             row_starts: Vec::with_capacity(rows.len() + 1),
-            base_width_mm: self.frames.base_width as f32,
-            thickness_mm: self.frames.thickness as f32,
+            base_width_mm: self.frames.common().base_width as f32,
+            thickness_mm: self.frames.common().thickness as f32,
             counts: LoopCounts::default(),
             whole: self.whole_pile(turbulence, standing),
         };
@@ -172,14 +171,18 @@ impl LoopsInputs {
     ) -> Row {
         let mut row = Row::with_room_for(cells.row_len(j));
         for i in cells.row(j) {
-            let length = self.lengths.at(j * self.sheet.warps as usize + i);
+            let cell = j * self.sheet.warps as usize + i;
+            let (length, settings) = (
+                self.cells.length_mm(cell),
+                self.frames.of_row(self.cells.row(cell)),
+            );
             for (face, stands) in FACES.into_iter().zip(faces.at(i, j)) {
                 if !stands {
                     continue;
                 }
                 let input = self.input(turbulence, [i, j], face, length);
                 let mut counts = row.counts;
-                let shape = loop_shape(&self.frames, &input, &mut counts);
+                let shape = loop_shape(settings, &input, &mut counts);
                 row.frames_made += 1;
                 if let (Some(shape), Some(seen)) = (&shape, seen)
                     && !seen.meets_loop([i as i64, j as i64], self.box_of(shape))
@@ -197,27 +200,27 @@ impl LoopsInputs {
     }
 
     fn box_of(&self, shape: &LoopPatch) -> [DVec3; 2] {
-        let [base_width, thickness] = [self.frames.base_width, self.frames.thickness];
-        box_of(shape, base_width as f32, thickness as f32)
+        let common = self.frames.common();
+        box_of(shape, common.base_width as f32, common.thickness as f32)
     }
 
     /// The same, but frames are made for both faces of every cell.
     fn whole_row(&self, turbulence: &TurbulenceField, faces: &Faces, j: usize) -> Row {
         let mut row = Row::default();
         for i in 0..self.sheet.warps as usize {
-            let length = self.lengths.at(j * self.sheet.warps as usize + i);
+            let cell = j * self.sheet.warps as usize + i;
+            let (length, settings) = (
+                self.cells.length_mm(cell),
+                self.frames.of_row(self.cells.row(cell)),
+            );
             for (face, stands) in FACES.into_iter().zip(faces.at(i, j)) {
                 let stands = stands && length > 0.0;
                 // Where the chart has no length any other costs as much.
-                let any = if stands {
-                    length
-                } else {
-                    self.frames.max_length
-                };
+                let any = if stands { length } else { settings.max_length };
                 let input = self.input(turbulence, [i, j], face, any);
                 let mut counts = LoopCounts::default();
                 row.frames_made += 1;
-                let shape = loop_shape(&self.frames, &input, &mut counts);
+                let shape = loop_shape(settings, &input, &mut counts);
                 if stands {
                     row.counts = row.counts.plus(counts);
                     row.warps.extend(shape.map(|_| i as u32));
@@ -236,12 +239,17 @@ impl LoopsInputs {
         length: f64,
     ) -> LoopInput {
         let hash = loop_hash(self.turbulence.seed, i as u32, j as u32, face);
+        let place_mm = [
+            (i as f64 + 0.5) * self.sheet.pitch_x_mm,
+            (j as f64 + 0.5) * self.sheet.pitch_y_mm,
+        ];
         LoopInput {
             face,
             root_heights: self.roots.at(i, j, face),
             length,
             turbulence: turbulence.at(i, j).map(f64::from),
             jitter: Jitter::new(hash),
+            finish: self.finishing.of_loop(hash, face, [i, j], place_mm),
         }
     }
 

@@ -4,7 +4,8 @@ use std::ops::RangeInclusive;
 
 use glam::DVec3;
 
-use super::frames::{FrameSettings, MAX_LEAN};
+use super::finish::Finishing;
+use super::frames::{FrameRules, MAX_LEAN};
 use super::skeleton::RootHeights;
 use super::{CellSet, SheetGeometry, Skeleton};
 use crate::design::Design;
@@ -29,9 +30,11 @@ impl PileReach {
     pub fn of(design: &Design) -> Self {
         let sheet = SheetGeometry::new(design);
         let skeleton = Skeleton::new(&design.weave, &design.skeleton);
-        let frames = FrameSettings::new(&design.pile);
-        let roots = RootHeights::new(&skeleton, &sheet, frames.base_width);
-        let mut reach = Self::of_frames(&sheet, &frames, &roots, design.length.longest());
+        let frames = FrameRules::new(design);
+        let roots = RootHeights::new(&skeleton, &sheet, design.pile.base_width);
+        let finishing = Finishing::new(design, &sheet);
+        let longest = frames.longest_mm(design.length.longest(), &finishing);
+        let mut reach = Self::of_frames(&sheet, &frames, &roots, longest, finishing.more_lean());
         let radius = skeleton.warp_radius_mm.max(skeleton.weft_radius_mm);
         let yarns = f64::from(radius + skeleton.crimp_mm);
         reach.low_mm[2] = reach.low_mm[2].min(-yarns);
@@ -39,28 +42,32 @@ impl PileReach {
         reach
     }
 
-    /// The reach of loops of these frames that are at most so long before stretch and jitter.
+    /// The reach of loops of these frames that are at most so long and lean so much more than their frames say, radians.
     fn of_frames(
         sheet: &SheetGeometry,
-        frames: &FrameSettings,
+        frames: &FrameRules,
         roots: &RootHeights,
-        longest_mm: f64,
+        length: f64,
+        more_lean: f64,
     ) -> Self {
-        let [lean_jitter, ..] = frames.jitter;
-        let length = frames.longest_mm(longest_mm);
+        let common = frames.common();
+        let [lean_jitter, ..] = common.jitter;
         // No part of the axis across the sheet is longer than the lean along it, nor than all of the steepest lean.
-        let spread = frames.tilt + lean_jitter;
         let steepest = MAX_LEAN.sin();
-        let low_lean = frames
-            .lean
-            .map(|lean| (lean - spread).clamp(-steepest, 0.0));
-        let high_lean = frames.lean.map(|lean| (lean + spread).clamp(0.0, steepest));
+        let (mut low_lean, mut high_lean) = ([0.0_f64; 2], [0.0_f64; 2]);
+        for row in frames.all() {
+            let spread = row.tilt + lean_jitter + more_lean;
+            for (axis, lean) in row.lean.into_iter().enumerate() {
+                low_lean[axis] = low_lean[axis].min((lean - spread).max(-steepest));
+                high_lean[axis] = high_lean[axis].max((lean + spread).min(steepest));
+            }
+        }
 
         let ([low_root, high_root], step) = roots.range();
         let half_top = frames.half_top_mm(step);
-        let half_thickness = 0.5 * frames.thickness;
+        let half_thickness = 0.5 * common.thickness;
 
-        let root = DVec3::new(0.0, 0.5 * frames.base_width, 0.0);
+        let root = DVec3::new(0.0, 0.5 * common.base_width, 0.0);
         let low = DVec3::new(length * low_lean[0], length * low_lean[1], 0.0) - half_top;
         let high = DVec3::new(length * high_lean[0], length * high_lean[1], 0.0) + half_top;
         let (low, high) = (

@@ -182,6 +182,8 @@ pub struct Material {
     pub density_per_mm: f32,
     /// Index into [`Volumes::kinds`].
     pub kind: u32,
+    /// Phase function.
+    pub phase: Phase,
     /// k of `frame_lambert`: share of light let through.
     pub transmission: f32,
     /// s of `kajiya_kay`: share of light in the highlight.
@@ -193,9 +195,8 @@ pub struct Material {
 /// How the pile scatters (MODEL.md §8).
 #[derive(Debug, Clone, PartialEq)]
 pub struct PileOptics {
-    /// Phase function of all loops.
-    pub phase: Phase,
-    /// Materials that loops refer to; the first is the pile's own. At most 65.
+    /// Materials that loops refer to; the first is the pile's own. At most 130: of the pile and
+    /// 64 rows, each also shorn.
     pub materials: Vec<Material>,
 }
 

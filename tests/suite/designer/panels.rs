@@ -1,6 +1,8 @@
 //! The panels: painted patterns, typed and dragged numbers, menus, lists; each edit one step of the history, each number of a
 //! design within reach, and faults told where they belong.
 
+use renderer_core::design::nap_edit;
+
 use super::*;
 
 #[test]
@@ -204,6 +206,7 @@ fn every_number_of_every_section_has_a_control() {
         Box::new(design.sheet),
         Box::new(design.pile),
         Box::new(design.turbulence),
+        Box::new(design.finish),
         Box::new(design.skeleton),
         Box::new(design.light.environment),
         Box::new(design.quality),
@@ -284,6 +287,49 @@ fn each_length_map_has_its_controls() {
     assert_eq!(design(&harness).length.table.len(), 2);
     click(&mut harness, "Remove row 1");
     assert_eq!(design(&harness).length.table.len(), 1);
+}
+
+#[test]
+fn the_nap_is_combed_on_its_picture() {
+    let mut harness = designer_of_size(None, vec2(1280.0, 1600.0));
+    open_panel(&mut harness, "Finish");
+    let direction_at = |h: &Harness<'_, App>, x: usize, y: usize| {
+        let map = design(h).nap.pixels.clone().expect("a map");
+        nap_edit::direction(map.pixel(x, y))
+    };
+    click(&mut harness, "Brush all near");
+    harness.run_steps(3);
+    assert!(direction_at(&harness, 60, 70)[1] < -0.9);
+    assert_eq!(harness.state().document().undo_name(), Some("brushed pile"));
+    let canvas = harness.get_by_role_and_label(Role::Canvas, "Nap map canvas");
+    let rect = canvas.rect();
+    let (from, to) = (
+        rect.center() - vec2(0.3 * rect.width(), 0.0),
+        rect.center() + vec2(0.3 * rect.width(), 0.0),
+    );
+    harness.drag_at(from);
+    harness.run_steps(2);
+    for k in 1..=4 {
+        harness.hover_at(from + (to - from) * (k as f32 / 4.0));
+        harness.run_steps(1);
+    }
+    harness.drop_at(to);
+    harness.run_steps(3);
+    let [right, up] = direction_at(&harness, 60, 70);
+    assert!(right > 0.9 && up.abs() < 0.2, "{right} {up}");
+    assert!(
+        direction_at(&harness, 60, 10)[1] < -0.9,
+        "elsewhere as before"
+    );
+    assert_eq!(wished(&harness).nap, design(&harness).nap);
+    assert_eq!(harness.state().document().undo_name(), Some("combed pile"));
+    click(&mut harness, "Vacuum stripes");
+    harness.run_steps(3);
+    let ways: Vec<f64> = (0..120).map(|x| direction_at(&harness, x, 70)[1]).collect();
+    assert!(ways.iter().any(|way| *way > 0.9) && ways.iter().any(|way| *way < -0.9));
+    click(&mut harness, "Clear map");
+    harness.run_steps(3);
+    assert_eq!(design(&harness).nap, Design::default().nap);
 }
 
 #[test]

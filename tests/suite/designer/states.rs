@@ -28,7 +28,7 @@ pub struct State {
 }
 
 /// High enough for all panels with all that they have; egui leaves out what a scroll area hides.
-pub const TALL: f32 = 5200.0;
+pub const TALL: f32 = 5700.0;
 
 /// What a window of any size can show.
 pub const STATES: [State; 18] = [

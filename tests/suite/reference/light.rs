@@ -184,7 +184,7 @@ pub fn furnace(phase: Phase) -> Scene {
         // Tangents are only there where the design asks for them.
         scene = compile(&design).expect("a valid design");
     }
-    edit_pile(&mut scene, |pile| pile.phase = phase);
+    edit_pile(&mut scene, |pile| pile.materials[0].phase = phase);
     let mut looks = scene.looks.clone().to_vec();
     for look in &mut looks {
         look.albedo = [u16::MAX; 3];

@@ -17,10 +17,10 @@ use super::cloth::{
 
 fn optics(phase: Phase, transmission: f32, specular: f32, exponent: f32) -> Optics {
     let pile = PileOptics {
-        phase,
         materials: vec![Material {
             density_per_mm: 1.0,
             kind: 0,
+            phase,
             transmission,
             specular,
             exponent,

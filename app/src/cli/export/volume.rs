@@ -13,7 +13,7 @@ use renderer_core::scene::{self, Volumes};
 use crate::files::{self, FileError};
 
 /// Writes `KIND-variant-NN-layer-NN.png` for every layer of every volume into the folder `output`, which is made if it
-/// does not exist.
+/// does not exist. Of kinds that are there with yarns of several diameters the later ones are `KIND-2` and so on.
 pub fn write(design: &Design, output: &Path) -> anyhow::Result<()> {
     if !output.is_dir() {
         let made = match output.exists() {
@@ -28,9 +28,17 @@ pub fn write(design: &Design, output: &Path) -> anyhow::Result<()> {
     let scene = scene::compile(design)?;
     let volumes = &*scene.volumes;
     for (k, kind) in volumes.kinds.iter().enumerate() {
+        let same = volumes.kinds[..=k]
+            .iter()
+            .filter(|other| *other == kind)
+            .count();
+        let kind = match same {
+            1 => kind.name(),
+            number => format!("{}-{number}", kind.name()),
+        };
         for variant in 0..volumes.variants {
             for layer in 0..volumes.layers {
-                let name = format!("{}-variant-{variant:02}-layer-{layer:02}.png", kind.name());
+                let name = format!("{kind}-variant-{variant:02}-layer-{layer:02}.png");
                 let file = encode_png_gray_alpha(
                     [volumes.resolution; 2],
                     &gray_alpha(volumes, k, variant, layer),

@@ -11,12 +11,13 @@ use crate::designer::dialogs::Purpose;
 use crate::designer::document::Document;
 use crate::designer::questions::Question;
 use crate::designer::tasks::{Poll, Task};
-use crate::files::{self, FileError, Opened, OwnChart, Shipped};
+use crate::files::{self, FileError, Opened, OwnImages, Shipped};
 
 /// A file that was read on another thread.
 pub(super) enum Loaded {
-    Design(PathBuf, Result<Box<(Opened, Option<OwnChart>)>, FileError>),
+    Design(PathBuf, Result<Box<(Opened, OwnImages)>, FileError>),
     Chart(PathBuf, Result<ChartImage, FileError>),
+    Nap(PathBuf, Result<ChartImage, FileError>),
     Environment(PathBuf, Result<EnvironmentImage, FileError>),
 }
 
@@ -35,7 +36,8 @@ impl App {
         };
         self.filing.replaces = Some(self.document.revision());
         self.filing.loading = Some(Task::start(ctx, move || {
-            let opened = shipped.open().map(|opened| Box::new((opened, None)));
+            let opened = shipped.open();
+            let opened = opened.map(|opened| Box::new((opened, OwnImages::default())));
             Loaded::Design(name.into(), opened)
         }));
     }
@@ -46,6 +48,15 @@ impl App {
             let path = std::path::absolute(&path).unwrap_or(path);
             let chart = files::load_chart(&path);
             Loaded::Chart(path, chart)
+        }));
+    }
+
+    pub(in crate::designer) fn load_nap(&mut self, ctx: &Context, path: PathBuf) {
+        self.filing.remember_folder(Purpose::OpenNap.key(), &path);
+        self.filing.loading = Some(Task::start(ctx, move || {
+            let path = std::path::absolute(&path).unwrap_or(path);
+            let map = files::load_nap(&path);
+            Loaded::Nap(path, map)
         }));
     }
 
@@ -74,8 +85,8 @@ impl App {
                 .notices
                 .error("Not opened", "The file could not be read to its end."),
             Some(Loaded::Design(path, Ok(opened))) => {
-                let (opened, own_chart) = *opened;
-                self.take_opened(path, opened, own_chart);
+                let (opened, own_images) = *opened;
+                self.take_opened(path, opened, own_images);
             }
             Some(Loaded::Design(path, Err(error))) => self.tell_not_opened(&path, &error),
             Some(Loaded::Chart(path, Ok(image))) => {
@@ -85,6 +96,14 @@ impl App {
             }
             Some(Loaded::Chart(_, Err(error))) => {
                 self.notices.error("Chart not opened", error.to_string());
+            }
+            Some(Loaded::Nap(path, Ok(image))) => {
+                let nap = &mut self.document.design.nap;
+                nap.image = Some(path.to_string_lossy().into_owned());
+                nap.pixels = Some(image);
+            }
+            Some(Loaded::Nap(_, Err(error))) => {
+                self.notices.error("Nap map not opened", error.to_string());
             }
             Some(Loaded::Environment(path, Ok(image))) => {
                 let environment = &mut self.document.design.light.environment;
@@ -99,7 +118,7 @@ impl App {
         }
     }
 
-    fn take_opened(&mut self, path: PathBuf, opened: Opened, own_chart: Option<OwnChart>) {
+    fn take_opened(&mut self, path: PathBuf, opened: Opened, own_images: OwnImages) {
         self.document.settle(false);
         if self.document.is_unsaved() && self.filing.replaces != Some(self.document.revision()) {
             // Edited while the file was read.
@@ -119,7 +138,7 @@ impl App {
                 .remember_folder(Purpose::OpenPreset.key(), &path);
         }
         self.set_document(Document::opened(opened, path));
-        self.document.own_chart = own_chart;
+        self.document.own_images = own_images;
     }
 
     fn tell_not_opened(&mut self, path: &Path, error: &FileError) {

@@ -11,7 +11,7 @@ use crate::designer::command::Command;
 use crate::designer::dialogs::Purpose;
 use crate::designer::questions::Question;
 use crate::designer::tasks::{Poll, Task};
-use crate::files::{self, FileError, OwnChart, is_bundle};
+use crate::files::{self, FileError, OwnImages, is_bundle};
 
 /// How long saving may keep the window waiting, so that what is done at once is told at once. What takes longer (a bundle
 /// with a large chart) goes on beside editing.
@@ -19,7 +19,7 @@ const AT_ONCE: Duration = Duration::from_millis(150);
 
 /// A file being written on another thread.
 pub(super) struct Saving {
-    task: Task<Result<Option<OwnChart>, FileError>>,
+    task: Task<Result<OwnImages, FileError>>,
     path: PathBuf,
     design: Design,
     /// Whether the document goes on belonging to its old file.
@@ -96,12 +96,15 @@ impl App {
         }
         let carried = self.document.carried().clone();
         let from = self.document.path().map(Path::to_path_buf);
-        // What a copy's chart is written to is no concern of the document's.
-        let own_chart = self.document.own_chart.clone().filter(|_| !is_copy);
+        // What a copy's images are written to is no concern of the document's.
+        let own_images = match is_copy {
+            true => OwnImages::default(),
+            false => self.document.own_images.clone(),
+        };
         let (to, written) = (path.clone(), design.clone());
         let task = Task::start(ctx, move || {
             let from = from.as_deref();
-            files::save_edited(&written, &carried, &to, from, own_chart.as_ref())
+            files::save_edited(&written, &carried, &to, from, &own_images)
         });
         self.filing.saving = Some(Saving {
             task,
@@ -134,8 +137,8 @@ impl App {
                 self.presets.look_again();
                 self.notices.news("Preset kept", path.display().to_string());
             }
-            Ok(own_chart) => {
-                self.document.own_chart = own_chart;
+            Ok(own_images) => {
+                self.document.own_images = own_images;
                 self.notices.news("Saved", path.display().to_string());
                 self.filing.settings.add_recent(&path);
                 self.presets.look_again();

@@ -1,10 +1,10 @@
 //! The table of loop lengths: a line for each colour of the chart, and what else its loops can have of their own.
 
-use egui::{Button, ComboBox, Frame, Margin, Ui};
+use egui::{Button, ComboBox, Frame, Margin, Response, Ui};
 use renderer_core::design::{Field, Length, LengthEntry, Phase, Pile, PileKind};
 
 use crate::designer::widgets::{
-    Choice, colour, colour_well, number, number_value, optional_number,
+    Choice, colour, colour_well, number, number_value, optional_number, row,
 };
 
 /// Which row shows all it has.
@@ -56,7 +56,7 @@ fn line(ui: &mut Ui, state: &mut State, index: usize, entry: &mut LengthEntry) -
             .accessible_name(format!("More of row {row}"));
         if more
             .on_hover_text(
-                "What else loops of this colour can have of their own: brightness, density.",
+                "What else loops of this colour can have of their own: brightness, yarn, lean, width.",
             )
             .clicked()
         {
@@ -74,23 +74,26 @@ fn line(ui: &mut Ui, state: &mut State, index: usize, entry: &mut LengthEntry) -
 
 /// Kind of pile of a row, which may be that of the pile.
 fn kind(ui: &mut Ui, row: usize, kind: &mut Option<PileKind>) {
+    own_choice(ui, "kind", kind)
+        .accessible_name(format!("Kind of row {row}"))
+        .on_hover_text("Whether loops of this colour are cut or not.");
+}
+
+/// A menu of what a row has of its own, or as the pile.
+fn own_choice<C: Choice + 'static>(ui: &mut Ui, salt: &str, value: &mut Option<C>) -> Response {
     let as_pile = "as the pile";
-    let name = kind.map_or(as_pile, Choice::label);
-    let combo = ComboBox::from_id_salt("kind")
-        .selected_text(name)
+    let combo = ComboBox::from_id_salt(salt)
+        .selected_text(value.map_or(as_pile, Choice::label))
         .width(96.0)
         .truncate()
         .show_ui(ui, |ui| {
-            ui.selectable_value(kind, None, as_pile);
-            for &choice in PileKind::ALL {
-                ui.selectable_value(kind, Some(choice), Choice::label(choice))
+            ui.selectable_value(value, None, as_pile);
+            for &choice in C::ALL {
+                ui.selectable_value(value, Some(choice), Choice::label(choice))
                     .on_hover_text(Choice::what(choice));
             }
         });
-    combo
-        .response
-        .accessible_name(format!("Kind of row {row}"))
-        .on_hover_text("Whether loops of this colour are cut or not.");
+    combo.response
 }
 
 /// What a row seldom has of its own.
@@ -103,18 +106,49 @@ fn more(ui: &mut Ui, entry: &mut LengthEntry, pile: &Pile) {
         &mut entry.colour,
     );
     number(ui, &fields.albedo_scale, &mut entry.albedo_scale);
+    let what = "How a point of the pile scatters light, for loops of this colour.";
+    row(ui, "Own scattering", what, |ui, label| {
+        own_choice(ui, "phase", &mut entry.phase)
+            .labelled_by(label.id)
+            .on_hover_text(what);
+    });
     let mut own = |name, field: &Field, value: &mut Option<f64>, of_pile: f64| {
         let otherwise = format!("as the pile: {of_pile} {}", field.unit);
         optional_number(ui, name, field, value, of_pile, otherwise.trim());
     };
+    own(
+        "Own yarn",
+        &of_pile.yarn_diameter,
+        &mut entry.yarn_diameter,
+        pile.yarn_diameter,
+    );
     own(
         "Own density",
         &of_pile.density,
         &mut entry.density,
         pile.density,
     );
-    // Only the parameters that the pile's way of scattering has; a row keeps the others for when it changes.
-    match pile.phase {
+    own(
+        "Own top width",
+        &of_pile.top_width,
+        &mut entry.top_width,
+        pile.top_width,
+    );
+    own(
+        "Own lean x",
+        &of_pile.lean_x,
+        &mut entry.lean_x,
+        pile.lean_x,
+    );
+    own(
+        "Own lean y",
+        &of_pile.lean_y,
+        &mut entry.lean_y,
+        pile.lean_y,
+    );
+    own("Own tilt", &of_pile.tilt, &mut entry.tilt, pile.tilt);
+    // Only the parameters that the row's way of scattering has; it keeps the others for when that changes.
+    match entry.phase.unwrap_or(pile.phase) {
         Phase::Isotropic => {}
         Phase::FrameLambert | Phase::GradientLambert => own(
             "Own transmission",

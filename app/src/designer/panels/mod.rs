@@ -3,6 +3,7 @@
 
 mod cameras;
 mod chart;
+mod finish;
 mod form;
 mod height_map;
 mod length_table;
@@ -10,6 +11,7 @@ mod light;
 mod light_sphere;
 mod loop_length;
 mod loop_picture;
+mod nap;
 mod pile;
 mod ready_lights;
 mod sheet_weave;
@@ -38,6 +40,7 @@ pub struct Panels {
     pile: pile::State,
     turbulence: turbulence::State,
     form: form::State,
+    nap: nap::State,
     light: light::State,
     /// Whether panels are open, by title, where that is not as they start.
     pub open: BTreeMap<String, bool>,
@@ -64,12 +67,13 @@ pub struct Surroundings<'a> {
 /// Title of a panel, the parts of the design whose faults belong to it, and whether it starts open.
 struct Title(&'static str, &'static [&'static str], bool);
 
-const TITLES: [Title; 9] = [
+const TITLES: [Title; 10] = [
     Title("Sheet & weave", &["sheet", "weave"], true),
     Title("Chart", &["chart"], true),
     Title("Loop length", &["length"], false),
     Title("Pile", &["pile"], false),
     Title("Turbulence", &["turbulence"], false),
+    Title("Finish", &["finish", "nap"], false),
     Title("Skeleton", &["skeleton"], false),
     Title("Form", &["form"], false),
     Title("Light", &["light"], false),
@@ -128,9 +132,10 @@ impl Panels {
                     2 => loop_length::show(ui, &mut self.loop_length, design, around),
                     3 => pile::show(ui, &mut self.pile, design, around),
                     4 => turbulence::show(ui, &mut self.turbulence, design, around),
-                    5 => skeleton::show(ui, &mut design.skeleton),
-                    6 => form::show(ui, &mut self.form, design, around.commands),
-                    7 => light::show(ui, &mut self.light, design, around),
+                    5 => finish::show(ui, &mut self.nap, design, around),
+                    6 => skeleton::show(ui, &mut design.skeleton),
+                    7 => form::show(ui, &mut self.form, design, around.commands),
+                    8 => light::show(ui, &mut self.light, design, around),
                     _ => view_quality::show(ui, design, around),
                 });
                 if is_open != was_open {

@@ -1,7 +1,7 @@
 //! Pile: the yarn loops, one of them seen close, and how they scatter light. How they lie is the panel Turbulence's.
 
 use egui::Ui;
-use renderer_core::design::{Design, LengthMap, Phase, Pile, PileKind};
+use renderer_core::design::{Design, Phase, Pile, PileKind};
 
 use super::Surroundings;
 use super::loop_picture::{self, LoopPicture};
@@ -17,10 +17,7 @@ pub struct State {
 pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design, around: &mut Surroundings<'_>) {
     loop_picture::show(ui, &mut state.picture, design, around.small_pictures);
     // Of the pile and, where the table counts, of its rows.
-    let rows: &[_] = match design.length.map {
-        LengthMap::Lut => &design.length.table,
-        _ => &[],
-    };
+    let rows = design.length.rows();
     let some_kind = |is_so: fn(PileKind) -> bool| {
         is_so(design.pile.kind) || rows.iter().filter_map(|row| row.kind).any(is_so)
     };

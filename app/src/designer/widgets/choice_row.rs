@@ -3,7 +3,7 @@
 use egui::{ComboBox, Response, TextEdit, Ui};
 use renderer_core::design::{
     Back, BentAlong, Colour, EnvironmentKind, Filter, Fit, FormKind, Interpolation, LengthMap,
-    Method, NoiseKind, Phase, PileKind, Sampler, SkeletonHeight, SkeletonShading, ToneMap,
+    Method, NoiseKind, Phase, PileKind, Sampler, Sheared, SkeletonHeight, SkeletonShading, ToneMap,
 };
 
 use super::row::row;
@@ -28,7 +28,7 @@ macro_rules! choices {
         }
     )+ };
 }
-choices!(Back BentAlong EnvironmentKind Filter Fit FormKind Interpolation LengthMap Method NoiseKind Phase PileKind Sampler SkeletonHeight SkeletonShading ToneMap);
+choices!(Back BentAlong EnvironmentKind Filter Fit FormKind Interpolation LengthMap Method NoiseKind Phase PileKind Sampler Sheared SkeletonHeight SkeletonShading ToneMap);
 
 /// Row with a menu of all values of an enumeration.
 pub fn choice<C: Choice>(ui: &mut Ui, name: &str, what: &str, value: &mut C) {

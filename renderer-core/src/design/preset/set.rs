@@ -61,6 +61,9 @@ fn changed(design: &Design, path: &str, text: &str) -> Result<Design, String> {
     if new.chart.image == design.chart.image {
         new.chart.pixels.clone_from(&design.chart.pixels);
     }
+    if new.nap.image == design.nap.image {
+        new.nap.pixels.clone_from(&design.nap.pixels);
+    }
     let (old, new_environment) = (&design.light.environment, &mut new.light.environment);
     if new_environment.image == old.image {
         new_environment.pixels.clone_from(&old.pixels);

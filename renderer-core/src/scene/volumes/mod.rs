@@ -59,17 +59,21 @@ trait Field: Sync {
     fn surface(&self, random: &mut Pcg) -> (DVec3, DVec3, DVec3);
 }
 
-/// Voxels for the given kinds of pile, `pile.variants` of each.
+/// Voxels for the given kinds of pile, `pile.variants` of each, of yarn of `pile.yarn_diameter`.
 ///
 /// `reference_length_mm` is the length of the loop that the volumes are drawn for; anything above zero.
 pub fn rasterise(pile: &Pile, kinds: &[PileKind], reference_length_mm: f64) -> Volumes {
-    rasterise_unless_cancelled(pile, kinds, reference_length_mm, &Cancel::never())
+    let yarns: Vec<(PileKind, f64)> = kinds
+        .iter()
+        .map(|&kind| (kind, pile.yarn_diameter))
+        .collect();
+    rasterise_unless_cancelled(pile, &yarns, reference_length_mm, &Cancel::never())
 }
 
-/// The same; not whole if `cancel` says so afterwards.
+/// The same for kinds that have a diameter of their yarn each, mm; not whole if `cancel` says so afterwards.
 pub(super) fn rasterise_unless_cancelled(
     pile: &Pile,
-    kinds: &[PileKind],
+    yarns: &[(PileKind, f64)],
     reference_length_mm: f64,
     cancel: &Cancel<'_>,
 ) -> Volumes {
@@ -79,13 +83,23 @@ pub(super) fn rasterise_unless_cancelled(
         thickness: pile.thickness,
     };
     let with_tangents = pile.phase == Phase::KajiyaKay;
-    let volumes: Vec<(PileKind, u32)> = kinds
+    let piles: Vec<(PileKind, Pile)> = yarns
         .iter()
-        .flat_map(|&kind| (0..pile.variants).map(move |variant| (kind, variant)))
+        .map(|&(kind, yarn_diameter)| {
+            let pile = Pile {
+                yarn_diameter,
+                ..pile.clone()
+            };
+            (kind, pile)
+        })
+        .collect();
+    let volumes: Vec<(&(PileKind, Pile), u32)> = piles
+        .iter()
+        .flat_map(|pile| (0..pile.1.variants).map(move |variant| (pile, variant)))
         .collect();
     let cells: Vec<Vec<Cell>> = volumes
         .par_iter()
-        .map(|&(kind, variant)| match kind {
+        .map(|&((kind, pile), variant)| match kind {
             PileKind::Terry => volume(terry::terry, pile, size, variant, cancel),
             PileKind::Twisted => volume(twisted::twisted, pile, size, variant, cancel),
             PileKind::Cut => volume(cut::Cut::new, pile, size, variant, cancel),
@@ -98,7 +112,7 @@ pub(super) fn rasterise_unless_cancelled(
         resolution: pile.resolution,
         layers: pile.layers,
         variants: pile.variants,
-        kinds: kinds.to_vec(),
+        kinds: yarns.iter().map(|&(kind, _)| kind).collect(),
         interpolation: pile.interpolation,
         root_blend: pile.root_blend as f32,
         voxels: cells().map(Cell::voxel).collect(),

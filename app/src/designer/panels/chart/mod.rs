@@ -38,7 +38,7 @@ impl State {
 }
 
 /// An image by its place in memory: comparing pixels every frame would take longer than making the picture.
-struct Picture(ChartImage);
+pub struct Picture(pub ChartImage);
 
 impl PartialEq for Picture {
     fn eq(&self, other: &Self) -> bool {
@@ -119,7 +119,9 @@ fn picture(ui: &mut Ui, state: &mut State, chart: &Chart, sheet: &Sheet) {
     let size = vec2(width as f32, height as f32) * shrink;
     let texture = state
         .thumbnail
-        .texture(ui, "chart", Picture(shown), |Picture(image)| reduced(image));
+        .texture(ui, "chart", Picture(shown), |Picture(image)| {
+            reduced(image, SIDE)
+        });
     ui.add_space(2.0);
     ui.horizontal_top(|ui| {
         let size = size.max(vec2(4.0, 4.0));
@@ -252,9 +254,9 @@ fn layout(ui: &mut Ui, chart: &mut Chart) {
     }
 }
 
-/// The chart at twice the shown size at most: of a large one every nth pixel. What is bare is grey.
-fn reduced(image: &ChartImage) -> ColorImage {
-    let step = image.width().max(image.height()).div_ceil(2 * SIDE);
+/// An image at twice the side it is shown at, points, at most: of a large one every nth pixel. What is bare is grey.
+pub fn reduced(image: &ChartImage, side: usize) -> ColorImage {
+    let step = image.width().max(image.height()).div_ceil(2 * side);
     let size = [image.width().div_ceil(step), image.height().div_ceil(step)];
     let pixels = (0..size[0] * size[1])
         .map(|k| {

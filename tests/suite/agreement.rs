@@ -7,7 +7,7 @@ use renderer_core::render::Backend;
 
 use crate::support::agreement::same_distribution;
 use crate::support::device::{gpu, reference, repeats};
-use crate::support::scenes::{preset_paths, request, small_towel};
+use crate::support::scenes::{request, small_towel, unlike_preset_paths};
 
 /// Width and height of the pictures that are compared.
 pub const SIZE: [u32; 2] = [16, 12];
@@ -175,13 +175,13 @@ fn wrong_noise_and_wrong_pixels_are_refused() {
 
 #[test]
 #[ignore = "long: about 120 s"]
-fn every_preset_agrees_at_256_samples() {
-    every_preset_agrees(&mut gpu());
+fn unlike_presets_agree_at_256_samples() {
+    unlike_presets_agree(&mut gpu());
 }
 
-/// Every preset with one and with several scatterings.
-pub fn every_preset_agrees(backend: &mut dyn Backend) {
-    for path in preset_paths() {
+/// Presets with one and with several scatterings.
+pub fn unlike_presets_agree(backend: &mut dyn Backend) {
+    for path in unlike_preset_paths() {
         let name = path.file_stem().unwrap().to_string_lossy().into_owned();
         for bounces in [1, 4] {
             let design = towel_designer::files::load_design(&path).unwrap();

@@ -11,7 +11,7 @@ use renderer_core::image::{Picture, metrics};
 use renderer_core::render::{Backend, Progress, RenderRequest};
 
 use crate::support::device::gpu;
-use crate::support::scenes::{preset_paths, request, small_towel};
+use crate::support::scenes::{request, small_towel, unlike_preset_paths};
 
 /// Draws to the end, in slices that end anywhere.
 fn finish(backend: &mut dyn Backend, request: &RenderRequest) -> (Progress, Picture) {
@@ -70,9 +70,9 @@ fn assert_estimates(
 }
 
 #[test]
-fn the_estimate_is_the_true_error_of_every_preset() {
+fn the_estimate_is_the_true_error_of_unlike_presets() {
     let (mut gpu, mut cpu) = (gpu(), CpuBackend::default());
-    for path in preset_paths() {
+    for path in unlike_preset_paths() {
         let mut design = towel_designer::files::load_design(&path).unwrap();
         design.quality.samples = 16;
         let request = request(&design, [24, 24]);
@@ -85,9 +85,9 @@ fn the_estimate_is_the_true_error_of_every_preset() {
 
 #[test]
 #[ignore = "long: about 90 s"]
-fn the_estimate_is_the_true_error_of_every_preset_at_more_samples() {
+fn the_estimate_is_the_true_error_of_unlike_presets_at_more_samples() {
     let (mut gpu, mut cpu) = (gpu(), CpuBackend::default());
-    for path in preset_paths() {
+    for path in unlike_preset_paths() {
         let mut design = towel_designer::files::load_design(&path).unwrap();
         for (samples, sampler) in [(32, Sampler::Owen), (64, Sampler::Random)] {
             (design.quality.samples, design.quality.sampler) = (samples, sampler);

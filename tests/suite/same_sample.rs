@@ -1,20 +1,22 @@
 //! Same sample, same ray: sample k of a pixel is the same in the reference and on the GPU, for every shipped preset and every
 //! method without free paths, to the digits that f32 has (bounces = 1). `cpu` holds the processor to the same.
 
+use std::path::PathBuf;
+
 use renderer_core::design::{Design, Method};
 use renderer_core::image::{Picture, metrics};
 use renderer_core::render::Backend;
 
 use crate::support::device::{exact_gpu, finish, gpu, on_reference};
 use crate::support::same_sample::{SAME_SHARE, same_picture};
-use crate::support::scenes::{preset_paths, request, small_towel};
+use crate::support::scenes::{preset_paths, request, small_towel, unlike_preset_paths};
 
 /// The methods whose samples are the same in the reference and on the GPU.
 const METHODS: [Method; 3] = [Method::Single, Method::Layered, Method::Exact];
 
-/// Every preset with its name, with one scattering.
-fn presets() -> impl Iterator<Item = (String, Design)> {
-    preset_paths().into_iter().map(|path| {
+/// Presets with their names, with one scattering.
+fn named(paths: Vec<PathBuf>) -> impl Iterator<Item = (String, Design)> {
+    paths.into_iter().map(|path| {
         let mut design = towel_designer::files::load_design(&path).unwrap();
         design.quality.bounces = 1;
         let name = path.file_stem().unwrap().to_string_lossy().into_owned();
@@ -27,7 +29,7 @@ pub const MOST_FLIPS: usize = ((1.0 - SAME_SHARE) * 128.0 * 128.0) as usize;
 /// A part of that picture, and most flips in it: a thousandth would be one pixel; by chance it is now and then four.
 pub const PART: ([u32; 4], usize) = ([40, 50, 40, 24], 4);
 
-/// Draws every preset by every method and compares with the reference.
+/// Draws a part of every preset, or all of those that are unlike each other, by every method and compares with the reference.
 pub fn compare_presets(
     backend: &mut dyn Backend,
     methods: &[Method],
@@ -35,7 +37,11 @@ pub fn compare_presets(
     crop: Option<[u32; 4]>,
     most_flips: usize,
 ) {
-    for (name, mut design) in presets() {
+    let paths = match crop {
+        Some(_) => preset_paths(),
+        None => unlike_preset_paths(),
+    };
+    for (name, mut design) in named(paths) {
         for &method in methods {
             for &count in samples {
                 (design.quality.method, design.quality.samples) = (method, count);
@@ -57,7 +63,7 @@ pub fn compare_presets(
 
 #[test]
 #[ignore = "long: about 90 s"]
-fn every_preset_is_the_same_picture_on_both_sides() {
+fn unlike_presets_are_the_same_picture_on_both_sides() {
     compare_presets(&mut exact_gpu(), &METHODS, &[1, 4], None, MOST_FLIPS);
 }
 
@@ -74,7 +80,7 @@ fn the_hardware_filter_adds_little() {
     // a pixel of one sample changes altogether. Such errors have no preferred sign: the mean stays.
     let (mut hardware, mut f32_filter) = (gpu(), exact_gpu());
     let (mut worst, mut worst_shift) = (0.0_f64, 0.0_f64);
-    for (name, mut design) in presets() {
+    for (name, mut design) in named(unlike_preset_paths()) {
         design.quality.samples = 1;
         for method in [Method::Single, Method::Exact] {
             design.quality.method = method;

@@ -40,6 +40,29 @@ pub fn preset_path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../presets/{name}.toml"))
 }
 
+/// Presets that ask nothing of a renderer that another does not: the same cloth in another light, another bend, another kind of
+/// pile in the same volumes. Short tests draw them all the same.
+const LIKE_ANOTHER: [&str; 10] = [
+    "folded-stack",
+    "grass",
+    "noon",
+    "rolled-towel",
+    "sculpted-rug",
+    "shag-rug",
+    "studio-softbox",
+    "vacuumed-carpet",
+    "wet-towel",
+    "window",
+];
+
+/// The presets that differ in what they ask of a renderer, for tests that take long over each.
+pub fn unlike_preset_paths() -> Vec<PathBuf> {
+    let is_like_another = |path: &PathBuf| LIKE_ANOTHER.map(preset_path).contains(path);
+    let (alike, unlike): (Vec<_>, Vec<_>) = preset_paths().into_iter().partition(is_like_another);
+    assert_eq!(alike.len(), LIKE_ANOTHER.len(), "all of these are shipped");
+    unlike
+}
+
 /// Every preset that is shipped.
 pub fn preset_paths() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../presets");

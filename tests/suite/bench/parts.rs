@@ -67,13 +67,13 @@ fn every_part_writes_its_table_and_plots() {
             "-o",
             "out",
             "--what",
-            "costs,skips,backends,growth,first-picture,lights",
+            "costs,skips,backends,growth,first-picture,lights,forms",
             "--size",
             "24x20",
             "--window",
             "64x48",
             "--budget",
-            "16",
+            "20",
             "--backend",
             "cpu",
         ],
@@ -98,6 +98,7 @@ fn every_part_writes_its_table_and_plots() {
         "first-picture",
         "growth",
         "lights",
+        "forms",
         "skips",
     ];
     expected.extend(tables.map(|table| format!("{table}.csv")));
@@ -118,6 +119,9 @@ fn every_part_writes_its_table_and_plots() {
     let widths = first.numbers("picture width [px]");
     assert!(widths.iter().all(|width| (1.0..=64.0).contains(width)));
 
+    let forms = Table::read(&out.join("forms.csv"));
+    assert_eq!(forms.column("measured")[0], "yes");
+    assert_eq!(forms.column("form").len(), 6);
     let lights = Table::read(&out.join("lights.csv"));
     assert_eq!(lights.column("measured"), ["yes"; 6]);
     let noise = lights.numbers("noise of these [relRMSE]");

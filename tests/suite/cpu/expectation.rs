@@ -5,7 +5,7 @@ use renderer_core::design::{Colour, Design, Interpolation, Pattern, Phase, Skele
 
 use super::scenes::{GROUNDS, LIGHTS, LOOKS, LOOPS};
 use crate::agreement::{
-    SIZE, Wrong, assert_agree_and_tell, every_preset_agrees, one_scattering, tracked,
+    SIZE, Wrong, assert_agree_and_tell, one_scattering, tracked, unlike_presets_agree,
 };
 use crate::support::scenes::small_towel;
 
@@ -144,6 +144,6 @@ fn every_shape_and_ground_agrees() {
 
 #[test]
 #[ignore = "long: about 120 s"]
-fn every_preset_agrees_at_256_samples() {
-    every_preset_agrees(&mut CpuBackend::default());
+fn unlike_presets_agree_at_256_samples() {
+    unlike_presets_agree(&mut CpuBackend::default());
 }

@@ -22,7 +22,7 @@ fn a_part_of_every_preset_is_the_references() {
 
 #[test]
 #[ignore = "long: about 90 s"]
-fn every_preset_is_the_references_picture() {
+fn unlike_presets_are_the_references_picture() {
     compare_presets(
         &mut CpuBackend::default(),
         &METHODS,

@@ -7,6 +7,7 @@
 //! growth         loops from a thousand to a million, and pixels
 //! first-picture  from each kind of edit to the first picture in the window
 //! lights         each kind of light on the same cloth: time and noise
+//! forms          the same cloth bent in each way: time and noise
 //! costs          the stages between an edit and a whole picture: which is the largest
 //! ```
 //!
@@ -19,7 +20,6 @@ pub mod csv;
 mod drawing;
 pub mod first_picture;
 pub mod growth;
-pub mod lights;
 pub mod measure;
 pub mod pareto;
 pub mod parts;
@@ -28,6 +28,7 @@ pub mod plot;
 pub mod skips;
 pub mod summary;
 pub mod truth;
+pub mod variants;
 mod written;
 
 use std::fmt;
@@ -114,7 +115,9 @@ pub struct Measured {
     /// For each kind of edit.
     pub first_pictures: Option<first_picture::FirstPictures>,
     /// For each kind of light.
-    pub lights: Vec<lights::Line>,
+    pub lights: Vec<variants::Line>,
+    /// For each form.
+    pub forms: Vec<variants::Line>,
     /// For each stage.
     pub costs: Vec<costs::Cost>,
 }
@@ -220,7 +223,12 @@ impl Bench<'_> {
                     measured.first_pictures = Some(found);
                 }
                 Part::Lights => {
-                    measured.lights = lights::measure(design, backend, conditions, until, say)?;
+                    let lights = variants::lights(design);
+                    measured.lights = variants::measure(lights, backend, conditions, until, say)?;
+                }
+                Part::Forms => {
+                    let forms = variants::forms(design);
+                    measured.forms = variants::measure(forms, backend, conditions, until, say)?;
                 }
                 Part::Costs => {
                     let window = conditions.window;

@@ -17,19 +17,22 @@ pub enum Part {
     FirstPicture,
     /// Kinds of light on the same cloth: time and noise.
     Lights,
+    /// The same cloth bent in each way: time and noise.
+    Forms,
     /// Where the time from an edit to a whole picture goes.
     Costs,
 }
 
 impl Part {
     /// All of them, in the order in which they are measured.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Errors,
         Self::Skips,
         Self::Backends,
         Self::Growth,
         Self::FirstPicture,
         Self::Lights,
+        Self::Forms,
         Self::Costs,
     ];
 
@@ -38,7 +41,7 @@ impl Part {
         match self {
             Self::Errors => 6.0,
             Self::Skips | Self::Growth | Self::FirstPicture => 4.0,
-            Self::Backends | Self::Lights | Self::Costs => 2.0,
+            Self::Backends | Self::Lights | Self::Forms | Self::Costs => 2.0,
         }
     }
 }

@@ -10,7 +10,7 @@ use super::measure::{Character, Findings, Row};
 use super::pareto::{self, Point};
 use super::plan::TRUTH;
 use super::truth::Known;
-use super::{Conditions, Measured, backends, costs, first_picture, growth, lights, skips};
+use super::{Conditions, Measured, backends, costs, first_picture, growth, skips, variants};
 use crate::clock;
 
 /// Errors for which the best setting is named, relRMSE.
@@ -77,8 +77,12 @@ fn parts(conditions: &Conditions, measured: &Measured) -> String {
         add("growth", growth::section(growth, conditions));
     }
     if !measured.lights.is_empty() {
-        let section = lights::section(&measured.lights, conditions);
+        let section = variants::section("light", &measured.lights, conditions);
         add("each kind of light", section);
+    }
+    if !measured.forms.is_empty() {
+        let section = variants::section("form", &measured.forms, conditions);
+        add("each form", section);
     }
     if let Some(found) = &measured.first_pictures {
         let section = first_picture::section(found);

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::parts::Part;
 use super::plot::{Figure, Plot};
 use super::{
-    Conditions, Measured, backends, costs, csv, first_picture, growth, lights, skips, summary,
+    Conditions, Measured, backends, costs, csv, first_picture, growth, skips, summary, variants,
 };
 use crate::files;
 
@@ -18,6 +18,7 @@ fn table_name(part: Part) -> &'static str {
         Part::Growth => "growth.csv",
         Part::FirstPicture => "first-picture.csv",
         Part::Lights => "lights.csv",
+        Part::Forms => "forms.csv",
         Part::Costs => "costs.csv",
     }
 }
@@ -45,7 +46,8 @@ pub fn write(
             Part::Backends => backends::csv(all, conditions),
             Part::Growth => growth::csv(all, conditions),
             Part::FirstPicture => first_picture::csv(all),
-            Part::Lights => lights::csv(all, conditions),
+            Part::Lights => variants::csv("light", all, |measured| &measured.lights, conditions),
+            Part::Forms => variants::csv("form", all, |measured| &measured.forms, conditions),
             Part::Costs => costs::csv(all),
         };
         files::write_atomically(&folder.join(table_name(*part)), text.as_bytes())?;

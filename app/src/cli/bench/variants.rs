@@ -1,15 +1,16 @@
-//! What kinds of light cost on the same cloth: a sample's time, the noise of some samples, and from both the time to a given noise.
+//! What the same cloth costs in other light and bent in other ways: a sample's time, the noise of some samples, and from both the
+//! time to a given noise.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};
 
 use renderer_core::design::{
-    AreaLight, Design, Environment, EnvironmentImage, EnvironmentKind, EnvironmentReader, Light,
-    Sun,
+    AreaLight, Design, Environment, EnvironmentImage, EnvironmentKind, EnvironmentReader, Form,
+    FormKind, Light, Sun,
 };
 use renderer_core::render::Backend;
-use renderer_core::scene::Compiler;
+use renderer_core::scene::{Compiler, net_through};
 
 use super::csv::{number, optional, quoted, table};
 use super::drawing::{self, draw};
@@ -24,7 +25,7 @@ const WANTED: f64 = 0.05;
 /// How long a picture may take even where there is no time.
 const LONGEST: Duration = Duration::from_secs(2);
 
-/// A kind of light, and what became of measuring it.
+/// A light or a form, and what became of measuring it.
 #[derive(Debug, Clone)]
 pub struct Line {
     /// Which.
@@ -33,7 +34,7 @@ pub struct Line {
     pub found: Result<Found, String>,
 }
 
-/// What a picture in that light costs.
+/// What a picture of that costs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Found {
     /// One sample.
@@ -53,8 +54,56 @@ impl Found {
     }
 }
 
+/// The preset in its own light, then in each kind alone.
+pub fn lights(design: &Design) -> Vec<(&'static str, Design)> {
+    let lit = |(name, light)| {
+        let design = Design {
+            light,
+            ..design.clone()
+        };
+        (name, design)
+    };
+    each_light(design).into_iter().map(lit).collect()
+}
+
+/// The preset's cloth level, then bent in each way, as long as it is for its pile.
+pub fn forms(design: &Design) -> Vec<(&'static str, Design)> {
+    let pile = design.reach_mm();
+    let bent = |name, form| {
+        let design = Design {
+            form,
+            ..design.clone()
+        };
+        (name, design)
+    };
+    let of_kind = |kind| Form {
+        kind,
+        radius: 2.0 * pile,
+        wavelength: 40.0 * pile,
+        layers: 2,
+        ..Form::default()
+    };
+    let width = f64::from(design.sheet.warps) * design.sheet.pitch_x();
+    let length = f64::from(design.sheet.wefts) * design.sheet.pitch_y();
+    let level_net = Form {
+        kind: FormKind::Net,
+        net: net_through([4, 4], |across, along| {
+            [width * (across - 0.5), length * (along - 0.5), 0.0]
+        }),
+        ..Form::default()
+    };
+    vec![
+        bent("level", Form::default()),
+        bent("a net that leaves it level", level_net),
+        bent("waves", of_kind(FormKind::Wave)),
+        bent("rolled up", of_kind(FormKind::Roll)),
+        bent("over a rail", of_kind(FormKind::Hanging)),
+        bent("a stack of two layers", of_kind(FormKind::Stack)),
+    ]
+}
+
 /// The preset's own light, then each kind alone.
-fn lights(design: &Design) -> Vec<(&'static str, Light)> {
+fn each_light(design: &Design) -> Vec<(&'static str, Light)> {
     let (azimuth, elevation, irradiance) = (130.0, 50.0, 3.0);
     let alone = |sun, area, environment| Light {
         sun,
@@ -133,12 +182,12 @@ fn sky(sun: Option<(f64, f64, f64)>) -> Option<EnvironmentImage> {
     reader.finish().ok()
 }
 
-/// Draws the design in each light.
+/// Draws each design. One that has no room for its form is told, not measured.
 ///
 /// # Errors
 /// When the backend fails.
 pub fn measure(
-    design: &Design,
+    all: Vec<(&'static str, Design)>,
     backend: &mut dyn Backend,
     conditions: &Conditions,
     deadline: Instant,
@@ -146,18 +195,20 @@ pub fn measure(
 ) -> anyhow::Result<Vec<Line>> {
     let mut compiler = Compiler::default();
     let mut lines = Vec::new();
-    let all = lights(design);
     let count = all.len() as u32;
-    for (index, (name, light)) in (0..).zip(all) {
-        say(&format!("light: {name}"));
+    for (index, (name, design)) in (0..).zip(all) {
+        say(name);
         let left = deadline.saturating_duration_since(Instant::now());
         let until = Instant::now() + (left / (count - index)).max(LONGEST);
-        let lit = Design {
-            light,
-            ..design.clone()
+        let scene = match compiler.compile(&design) {
+            Ok(scene) => scene,
+            Err(error) => {
+                let found = Err(error.to_string());
+                lines.push(Line { name, found });
+                continue;
+            }
         };
-        let scene = compiler.compile(&lit)?;
-        let request = drawing::request(&lit, &scene, conditions.size, SAMPLES)?;
+        let request = drawing::request(&design, &scene, conditions.size, SAMPLES)?;
         let drawn = draw(backend, &request, Some(until))?;
         let found = drawn.ok_or("time was up").and_then(|drawn| {
             let noise = drawn.estimate.ok_or("its noise is not known")?;
@@ -172,20 +223,26 @@ pub fn measure(
     Ok(lines)
 }
 
-const HEADER: &str = "preset,light,measured,clock time of a sample [s],processor time of a sample [s],samples,\
+const COLUMNS: &str = "measured,clock time of a sample [s],processor time of a sample [s],samples,\
     noise of these [relRMSE],time to a noise of 0.05 [s]";
 
-/// The file.
-pub fn csv(all: &[Measured], conditions: &Conditions) -> String {
+/// The file of `what`, light or form.
+pub fn csv(
+    what: &str,
+    all: &[Measured],
+    of: fn(&Measured) -> &[Line],
+    conditions: &Conditions,
+) -> String {
+    let header = format!("preset,{what},{COLUMNS}");
     let lines = all
         .iter()
-        .flat_map(|measured| measured.lights.iter().map(|line| (&measured.name, line)));
+        .flat_map(|measured| of(measured).iter().map(|line| (&measured.name, line)));
     let line = |(preset, line): (&String, &Line)| {
         let mut fields = vec![quoted(preset), quoted(line.name)];
         match &line.found {
             Err(why) => {
                 fields.push(quoted(&format!("no: {why}")));
-                fields.resize(HEADER.split(',').count(), String::new());
+                fields.resize(header.split(',').count(), String::new());
             }
             Ok(found) => fields.extend([
                 "yes".into(),
@@ -198,13 +255,13 @@ pub fn csv(all: &[Measured], conditions: &Conditions) -> String {
         }
         fields.join(",")
     };
-    table(HEADER, lines.map(line))
+    table(&header, lines.map(line))
 }
 
 /// The section of the summary.
-pub fn section(lines: &[Line], conditions: &Conditions) -> String {
+pub fn section(what: &str, lines: &[Line], conditions: &Conditions) -> String {
     let mut text = format!(
-        "\n| light | a sample, by the clock | processor time | noise of {SAMPLES} samples | time to a noise of {WANTED} |\n\
+        "\n| {what} | a sample, by the clock | processor time | noise of {SAMPLES} samples | time to a noise of {WANTED} |\n\
          | --- | --- | --- | --- | --- |\n",
     );
     for line in lines {

@@ -439,7 +439,7 @@ fn a_picture_of_the_surroundings_lights_the_cloth() {
         sky.save(bench.path(&format!("skies/{name}.png"))).unwrap();
         let text = SMALL
             .replace("'single'", "'tracked'")
-            .replace("samples = 2", "samples = 8")
+            .replace("samples = 2", "samples = 128")
             + &format!(
                 "[light]\nsun = []\nbackground = '#000000'\nenvironment = {{ kind = 'image', image = 'skies/{name}.png', radiance = 3 }}\n\
                  [skeleton]\nvisible = false\n"
@@ -476,7 +476,12 @@ fn a_picture_of_the_surroundings_lights_the_cloth() {
             "{left} and {right}, not {dark}"
         );
         assert!((left / right - 1.0).abs() > 0.02, "{left} and {right}");
-        assert!((turned / right - 1.0).abs() < 1e-5, "{turned}, not {right}");
+        // Directions are drawn by the light, column by column: a turned picture gives other samples of the same mean, here five
+        // in a thousand apart.
+        assert!(
+            (turned / right - 1.0).abs() < 0.012,
+            "{turned}, not {right}"
+        );
     }
 }
 

@@ -9,6 +9,7 @@ mod compare;
 mod driving;
 mod export;
 mod filing;
+mod form;
 mod legible;
 mod light;
 mod looks;

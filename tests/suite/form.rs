@@ -130,6 +130,18 @@ fn differing(a: &Picture, b: &Picture) -> usize {
     pairs.filter(differs).count()
 }
 
+/// Whether a picture of bent cloth by the GPU holds the reference's samples. f32 knows a place in the world to 10⁻⁵ mm where it
+/// knows one of level cloth, told from its cell, to 10⁻⁷: more samples turn on rounding, and voxels change some by a few
+/// thousandths. So flips are counted: one in a hundred may be.
+pub fn nearly_same(expected: &Picture, drawn: &Picture) -> Result<(), String> {
+    let (flips, most) = (differing(expected, drawn), expected.pixels.len() / 100);
+    if flips <= most {
+        Ok(())
+    } else {
+        Err(format!("{flips} pixels differ, at most {most} may"))
+    }
+}
+
 #[test]
 fn the_gpu_and_the_reference_draw_the_same_samples() {
     let mut backend = exact_gpu();
@@ -140,10 +152,8 @@ fn the_gpu_and_the_reference_draw_the_same_samples() {
             let request = request(&design, [32, 24]);
             let expected = on_reference(&request);
             let drawn = finish(&mut backend, &request);
-            // Corners are f32 on both sides, places along a ray only here: an edge of yarn may lie on the other side of a
-            // sample's ray. Of 768 pixels in 16 pictures never more than five did.
-            let flips = differing(&expected, &drawn);
-            assert!(flips <= 8, "{}, {}: {flips}", bend.0, method.name());
+            nearly_same(&expected, &drawn)
+                .unwrap_or_else(|error| panic!("{}, {}: {error}", bend.0, method.name()));
             // Samples of another seed differ nearly everywhere.
             let mut other = request.clone();
             other.settings.seed += 1;

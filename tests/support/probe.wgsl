@@ -37,7 +37,7 @@ fn probe_patches(@builtin(global_invocation_id) id: vec3<u32>) {
     let probe = patch_probes[id.x];
     let shape = probed_patch(probe);
     let normal = patch_normal(shape);
-    let ray = Ray(vec2<i32>(), probe.origin.xyz, probe.direction.xyz, 0.0);
+    let ray = Ray(vec2<i32>(), probe.origin.xyz, probe.direction.xyz, 0.0, 0.0, FAR);
     let origin = origin_in_cell(ray, vec2<i32>(vec2<f32>(probe.origin.w, probe.direction.w)));
     let roots = patch_roots(shape, origin, ray.direction);
     if roots.count == 0u {

@@ -174,6 +174,7 @@ fn write_preset(folder: &Path) -> PathBuf {
         sheet = { warps = 30, wefts = 40 }
         chart.image = "chart.png"
         turbulence.seed = 11
+        form = { kind = "wave", steepness = 8 }
         light.environment.kind = "gradient"
         quality.samples = 16
 

@@ -343,6 +343,8 @@ fn looking_by_light_and_by_the_phase_draw_the_same_picture() {
     ] {
         let mut design = tracked(small_towel(), bounces);
         design.light.background = Colour([0; 3]);
+        // So near that there is cloth in every block: one that is nearly black has too few bright samples for a mean.
+        design.view.cameras[0].distance = 15.0;
         (design.quality.method, design.pile.phase) = (method, phase);
         design.light.sun.clear();
         let request = |design: &mut Design, image: EnvironmentImage| {

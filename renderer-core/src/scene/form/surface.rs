@@ -138,7 +138,8 @@ impl Surface {
                 let angle = steepest * share * share * (3.0 - 2.0 * share);
                 let folded = fold_at(across, *fold, angle);
                 let direction = profile.direction(place);
-                let outwards = DVec2::new(-direction.y, direction.x);
+                // Both halves fold to the same side of the world, so that they never meet.
+                let outwards = DVec2::new(-direction.y, direction.x) * place.signum();
                 let point = profile.at(place) + outwards * folded.y;
                 (point.x, folded.x, point.y)
             }

@@ -242,7 +242,7 @@ fn is_within(shares: vec3<f32>, order: Order) -> bool {
 // Brings a ray from outside to where it comes into the cloth next; false if it never does. One that comes from the eye may be in
 // the cloth already. Boxes are looked at in the order of a Z curve, without a stack.
 fn enter_cloth(way: ptr<function, Way>, from_eye: bool) -> bool {
-    let point = (*way).point;
+    var point = (*way).point;
     let direction = (*way).direction;
     let inverse = bounded_inverse(direction);
     let top = scene.form_levels - 1u;
@@ -252,6 +252,15 @@ fn enter_cloth(way: ptr<function, Way>, from_eye: bool) -> bool {
     for (var below = 0u; below < top; below++) {
         let count = boxes_of(below);
         first += count.x * count.y;
+    }
+    if from_eye {
+        // Its origin may lie behind where it comes into the box around all, but not its eye.
+        let a = (form_texel(corners_in_all + 2u * first) - point) * inverse;
+        let b = (form_texel(corners_in_all + 2u * first + 1u) - point) * inverse;
+        let near = min(a, b);
+        let back = clamp(max(near.x, max(near.y, near.z)), min((*way).t_start, 0.0), 0.0);
+        point += back * direction;
+        (*way).t += back;
     }
     var at = vec2<u32>(0u);
     var nearest = FAR;

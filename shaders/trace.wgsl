@@ -16,6 +16,10 @@ fn visibility(at: Scatter, towards_light: vec3<f32>, bounce: u32, random: ptr<fu
     var visible = 1.0;
     for (var n = 0u; visible > 0.0 && goes_on(&way, n); n++) {
         visible *= visibility_along(way.stretch, bounce, random);
+        let composited = METHOD != METHOD_TRACKED && (!LONG_PATHS || bounce == 1u);
+        if BENT && OPAQUE_RAYS && composited && visible < BLOCKED {
+            return 0.0;
+        }
     }
     return visible;
 }

@@ -1,4 +1,4 @@
-//! Same sample, same ray: sample k of a pixel is the same in the reference and on the GPU, for every shipped preset and every
+//! Same sample, same ray: sample k of a pixel is the same in the reference and on the GPU, for the presets that are unlike each other and every
 //! method without free paths, to the digits that f32 has (bounces = 1). `cpu` holds the processor to the same.
 
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ use renderer_core::render::{Backend, BackendKind};
 use crate::form::nearly_same;
 use crate::support::device::{exact_gpu, finish, gpu, on_reference};
 use crate::support::same_sample::{SAME_SHARE, same_picture};
-use crate::support::scenes::{preset_paths, request, small_towel, unlike_preset_paths};
+use crate::support::scenes::{request, small_towel, unlike_preset_paths};
 
 /// The methods whose samples are the same in the reference and on the GPU.
 const METHODS: [Method; 3] = [Method::Single, Method::Layered, Method::Exact];
@@ -30,18 +30,15 @@ pub const MOST_FLIPS: usize = ((1.0 - SAME_SHARE) * 128.0 * 128.0) as usize;
 /// A part of that picture, and most flips in it: a thousandth would be one pixel; by chance it is now and then four.
 pub const PART: ([u32; 4], usize) = ([40, 50, 40, 24], 4);
 
-/// Draws a part of every preset, or all of those that are unlike each other, by every method and compares with the reference.
+/// Draws presets, or a part of each, by every method and compares with the reference.
 pub fn compare_presets(
+    paths: Vec<PathBuf>,
     backend: &mut dyn Backend,
     methods: &[Method],
     samples: &[u32],
     crop: Option<[u32; 4]>,
     most_flips: usize,
 ) {
-    let paths = match crop {
-        Some(_) => preset_paths(),
-        None => unlike_preset_paths(),
-    };
     for (name, mut design) in named(paths) {
         let is_bent = design.form.kind != FormKind::Flat;
         for &method in methods {
@@ -70,13 +67,27 @@ pub fn compare_presets(
 #[test]
 #[ignore = "long: about 90 s"]
 fn unlike_presets_are_the_same_picture_on_both_sides() {
-    compare_presets(&mut exact_gpu(), &METHODS, &[1, 4], None, MOST_FLIPS);
+    compare_presets(
+        unlike_preset_paths(),
+        &mut exact_gpu(),
+        &METHODS,
+        &[1, 4],
+        None,
+        MOST_FLIPS,
+    );
 }
 
 #[test]
-fn a_part_of_every_preset_is_the_same_on_both_sides() {
+fn a_part_of_unlike_presets_is_the_same_on_both_sides() {
     let (crop, flips) = PART;
-    compare_presets(&mut exact_gpu(), &METHODS, &[1], Some(crop), flips);
+    compare_presets(
+        unlike_preset_paths(),
+        &mut exact_gpu(),
+        &METHODS,
+        &[1],
+        Some(crop),
+        flips,
+    );
 }
 
 #[test]

@@ -5,6 +5,7 @@ use renderer_core::design::Method;
 
 use crate::gpu_backend::assert_changes_are_drawn_as_by_a_new_backend;
 use crate::same_sample::{MOST_FLIPS, PART, compare_presets};
+use crate::support::scenes::{preset_paths, unlike_preset_paths};
 
 const METHODS: [Method; 2] = [Method::Single, Method::Layered];
 
@@ -12,6 +13,7 @@ const METHODS: [Method; 2] = [Method::Single, Method::Layered];
 fn a_part_of_every_preset_is_the_references() {
     let (crop, flips) = PART;
     compare_presets(
+        preset_paths(),
         &mut CpuBackend::default(),
         &METHODS,
         &[1, 4],
@@ -24,6 +26,7 @@ fn a_part_of_every_preset_is_the_references() {
 #[ignore = "long: about 90 s"]
 fn unlike_presets_are_the_references_picture() {
     compare_presets(
+        unlike_preset_paths(),
         &mut CpuBackend::default(),
         &METHODS,
         &[1, 4],

@@ -39,13 +39,13 @@ pub struct Line {
 pub struct Found {
     /// One sample.
     pub sample: Spent,
-    /// relRMSE of [`SAMPLES`] of them, as the backend estimates it.
+    /// relRMSE of 32 of them, as the backend estimates it.
     pub noise: f64,
 }
 
 impl Found {
     /// Seconds until the noise is [`WANTED`], by the clock that costs are told by.
-    fn to_wanted(&self, conditions: &Conditions) -> f64 {
+    fn to_wanted(self, conditions: &Conditions) -> f64 {
         let one = match self.sample.processor {
             Some(time) if cost_is_processor_time(conditions.backend) => time,
             _ => self.sample.wall,

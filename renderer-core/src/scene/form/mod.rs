@@ -53,7 +53,7 @@ pub struct FormMesh {
     sheet: SheetGeometry,
 }
 
-/// One of the six tetrahedra of a facet: where shares fall along these axes, 1 ≥ s[first] ≥ s[second] ≥ s[third] ≥ 0.
+/// One of the six tetrahedra of a facet: that in which shares fall along these axes, from the first to the third.
 pub type Order = [usize; 3];
 
 /// The six.
@@ -151,7 +151,9 @@ impl FormMesh {
         for facet in self.all_facets() {
             for order in ORDERS {
                 let volume = self.tet(facet, order).per_share.determinant() / flat;
-                if !(volume >= LEAST_VOLUME) {
+                // NaN, of a net whose points all coincide, is not sound either.
+                let is_sound = volume >= LEAST_VOLUME;
+                if !is_sound {
                     let at = self.sheet_of(facet, DVec3::splat(0.5));
                     let [low, high] = self.heights;
                     return Err(Fault {

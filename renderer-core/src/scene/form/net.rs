@@ -34,11 +34,11 @@ fn weights(share: f64, count: usize) -> (usize, [f64; 4]) {
         values[0] = 1.0;
         for k in 1..=degree {
             let mut saved = 0.0;
-            for r in 0..k {
+            for (r, value) in values[..k].iter_mut().enumerate() {
                 let right = knot(first + 4 + r, count) - x;
-                let left = x - knot(first + 3 + 1 + r - k, count);
-                let part = values[r] / (right + left);
-                values[r] = saved + right * part;
+                let left = x - knot(first + 4 + r - k, count);
+                let part = *value / (right + left);
+                *value = saved + right * part;
                 saved = left * part;
             }
             values[k] = saved;

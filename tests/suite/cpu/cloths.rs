@@ -83,8 +83,8 @@ fn mixtures_draw_the_same_samples() {
 #[test]
 #[ignore = "long: about 120 s"]
 fn many_mixtures_draw_the_same_samples() {
-    // Found: 4.
-    mixtures(1000, 4, 6);
+    // Found: up to 6 with other kinds of cloth among them.
+    mixtures(1000, 4, 10);
 }
 
 #[test]

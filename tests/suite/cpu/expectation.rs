@@ -3,7 +3,7 @@
 use renderer_core::cpu::CpuBackend;
 use renderer_core::design::{Colour, Design, Interpolation, Pattern, Phase, SkeletonShading};
 
-use super::scenes::{GROUNDS, LIGHTS, LOOKS, LOOPS};
+use super::scenes::{GROUNDS, LIGHTS, LOOKS, LOOPS, UNBENT};
 use crate::agreement::{
     SIZE, Wrong, assert_agree_and_tell, one_scattering, tracked, unlike_presets_agree,
 };
@@ -91,6 +91,14 @@ fn crowded_loops_let_the_same_light_through() {
     design.light.environment.radiance = 0.0;
     design.light.background = Colour::WHITE;
     agree(&design, 1, &[("density", |d| d.pile.density *= 1.1)]);
+}
+
+/// Patches without a bend are met by a square that has no square term.
+#[test]
+fn unbent_loops_agree() {
+    let mut design = small_towel();
+    (UNBENT.1)(&mut design);
+    agree(&design, 1, &[("density", |d| d.pile.density *= 0.3)]);
 }
 
 /// Of their frames the parts that hold yarn are looked for: none may be missed.

@@ -13,7 +13,7 @@ pub type Edit = (&'static str, fn(&mut Design));
 const AS_IT_IS: Edit = ("as it is", |_| {});
 
 /// Shapes of loops, and blocks of 1, 2 and 4 cells to find them.
-pub const LOOPS: [Edit; 14] = [
+pub const LOOPS: [Edit; 13] = [
     AS_IT_IS,
     ("wild", |d| {
         let pile = &mut d.pile;
@@ -38,15 +38,6 @@ pub const LOOPS: [Edit; 14] = [
     ("pointed", |d| {
         (d.pile.base_width, d.pile.top_width) = (3.0, 0.3);
         (d.pile.tilt, d.pile.twist) = (120.0, 143.0);
-    }),
-    // Exact parallelograms, A = 0. Not all upright: those of a row would lie in one plane, and by `layered` every shadow ray
-    // that begins there would turn on rounding.
-    ("unbent", |d| {
-        let pile = &mut d.pile;
-        pile.top_width = pile.base_width;
-        (pile.lean_x, pile.lean_y, pile.tilt) = (0.0, 0.0, 0.0);
-        (pile.twist, pile.twist_jitter) = (0.0, 0.0);
-        (pile.stretch, pile.length_jitter) = (0.0, 0.0);
     }),
     ("wide and short", |d| {
         (d.pile.base_width, d.pile.top_width) = (4.0, 4.0);
@@ -76,6 +67,16 @@ pub const LOOPS: [Edit; 14] = [
         pile.root_blend = 1.0;
     }),
 ];
+
+/// Exact parallelograms, A = 0. By `layered` every shadow ray that begins on a layer runs along others, and turns on rounding: not
+/// among [`LOOPS`].
+pub const UNBENT: Edit = ("unbent", |d| {
+    let pile = &mut d.pile;
+    pile.top_width = pile.base_width;
+    (pile.lean_x, pile.lean_y, pile.tilt) = (0.0, 0.0, 0.0);
+    (pile.twist, pile.twist_jitter) = (0.0, 0.0);
+    (pile.stretch, pile.length_jitter) = (0.0, 0.0);
+});
 
 /// Long ways through frames that hold little yarn, skewed and bent.
 fn sparse(d: &mut Design, kind: PileKind) {

@@ -10,7 +10,7 @@ use renderer_core::render::{Backend, BackendKind};
 use crate::form::nearly_same;
 use crate::support::device::{exact_gpu, finish, gpu, on_reference};
 use crate::support::same_sample::{SAME_SHARE, same_picture};
-use crate::support::scenes::{request, small_towel, unlike_preset_paths};
+use crate::support::scenes::{preset_path, request, small_towel, unlike_preset_paths};
 
 /// The methods whose samples are the same in the reference and on the GPU.
 const METHODS: [Method; 3] = [Method::Single, Method::Layered, Method::Exact];
@@ -67,14 +67,11 @@ pub fn compare_presets(
 #[test]
 #[ignore = "long: about 90 s"]
 fn unlike_presets_are_the_same_picture_on_both_sides() {
-    compare_presets(
-        unlike_preset_paths(),
-        &mut exact_gpu(),
-        &METHODS,
-        &[1, 4],
-        None,
-        MOST_FLIPS,
-    );
+    // Whole pictures of these take software Vulkan minutes each: the test below draws a part of them.
+    let in_part = ["fur", "hanging-towel", "velour-bath", "velvet"].map(preset_path);
+    let mut paths = unlike_preset_paths();
+    paths.retain(|path| !in_part.contains(path));
+    compare_presets(paths, &mut exact_gpu(), &METHODS, &[1, 4], None, MOST_FLIPS);
 }
 
 #[test]

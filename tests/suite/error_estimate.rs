@@ -1,8 +1,7 @@
-//! The error estimate shown to the user is that of the picture: relRMSE over RGB, within a factor of 2, for every preset on
-//! both backends; and `--error` stops where it says.
+//! The error estimate shown to the user is that of the picture: relRMSE over RGB, within a factor of 2, for presets of terry
+//! on both backends; and `--error` stops where it says.
 
-use std::path::Path;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 

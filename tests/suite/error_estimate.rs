@@ -1,7 +1,7 @@
-//! The error estimate shown to the user is that of the picture: relRMSE over RGB, within a factor of 2, for presets of terry
-//! on both backends; and `--error` stops where it says.
+//! The error estimate shown to the user is that of the picture: relRMSE over RGB, within a factor of 2, for presets on
+//! both backends; and `--error` stops where it says.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
@@ -69,19 +69,13 @@ fn assert_estimates(
     }
 }
 
-/// The presets of plain terry. Highlights and long pile make so few bright samples that sixteen do not tell their noise within a
-/// factor of two.
-fn terry() -> Vec<PathBuf> {
-    let others = ["fur", "hanging-towel", "velour-bath", "velvet"].map(preset_path);
-    let mut paths = unlike_preset_paths();
-    paths.retain(|path| !others.contains(path));
-    paths
-}
-
 #[test]
-fn the_estimate_is_the_true_error_of_presets_of_terry() {
+fn the_estimate_is_the_true_error_of_presets() {
     let (mut gpu, mut cpu) = (gpu(), CpuBackend::default());
-    for path in terry() {
+    let mut paths = unlike_preset_paths();
+    // Velvet's highlights are so rare that one of them can be half of a picture's error: estimates were from 0.34 to 1.8 of it.
+    paths.retain(|path| *path != preset_path("velvet"));
+    for path in paths {
         let mut design = towel_designer::files::load_design(&path).unwrap();
         design.quality.samples = 16;
         let request = request(&design, [24, 24]);
@@ -94,9 +88,9 @@ fn the_estimate_is_the_true_error_of_presets_of_terry() {
 
 #[test]
 #[ignore = "long: about 90 s"]
-fn the_estimate_is_the_true_error_of_presets_of_terry_at_more_samples() {
+fn the_estimate_is_the_true_error_of_presets_at_more_samples() {
     let (mut gpu, mut cpu) = (gpu(), CpuBackend::default());
-    for path in terry() {
+    for path in unlike_preset_paths() {
         let mut design = towel_designer::files::load_design(&path).unwrap();
         for (samples, sampler) in [(32, Sampler::Owen), (64, Sampler::Random)] {
             (design.quality.samples, design.quality.sampler) = (samples, sampler);

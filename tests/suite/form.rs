@@ -5,9 +5,7 @@ use renderer_core::cpu::CpuBackend;
 use renderer_core::design::{BentAlong, Colour, Design, FormKind, Method, Numbers};
 use renderer_core::image::{Picture, metrics};
 use renderer_core::render::{Backend, Camera, RenderRequest};
-use renderer_core::scene::{
-    CompileError, Compiler, FormMesh, Net, ORDERS, compile, net_through, rest_place,
-};
+use renderer_core::scene::{CompileError, Compiler, FormMesh, Net, ORDERS, compile, net_through};
 
 use crate::agreement::{SIZE, Wrong, assert_agree_and_tell, tracked};
 use crate::support::compare::same_as_reference;
@@ -134,7 +132,7 @@ fn differing(a: &Picture, b: &Picture) -> usize {
 
 /// Whether a picture of bent cloth by the GPU holds the reference's samples. f32 knows a place in the world to 10⁻⁵ mm where it
 /// knows one of level cloth, told from its cell, to 10⁻⁷: more samples turn on rounding, and voxels change some by a few
-/// thousandths. So flips are counted: one in a hundred may be.
+/// thousandths. So flips are counted: found are up to four in a thousand, one in a hundred may be.
 pub fn nearly_same(expected: &Picture, drawn: &Picture) -> Result<(), String> {
     let (flips, most) = (differing(expected, drawn), expected.pixels.len() / 100);
     if flips <= most {
@@ -232,9 +230,9 @@ fn turned_cloth_looks_as_level_cloth_does_from_there() {
         for &method in methods {
             let [level, turned] = turned_requests(method);
             let [expected, drawn] = [&level, &turned].map(|request| finish(&mut *backend, request));
-            // Corners rounded to f32 move what a ray grazes. Of 1920 pixels 16 differ at most.
+            // Found: none. Corners rounded to f32 may move what a ray grazes, one pixel in five hundred here.
             let flips = differing(&expected, &drawn);
-            assert!(flips <= 30, "{name}, {}: {flips}", method.name());
+            assert!(flips <= 4, "{name}, {}: {flips}", method.name());
             // Without turning the camera little is the same.
             let mut unturned = turned.clone();
             unturned.camera = level.camera;
@@ -264,10 +262,11 @@ fn normals_and_depths_are_those_of_the_world() {
             (turn() * a - b).length() < 0.02
         });
         let count = there.normal.len();
-        assert!(turned_alike.count() + 30 > count, "{name}");
+        // As above: found is none, and four may be.
+        assert!(turned_alike.count() + 4 >= count, "{name}");
         let depths = there.depth.iter().zip(&here.depth);
         let same = depths.filter(|(a, b)| a == b || (*a - *b).abs() < 0.01);
-        assert!(same.count() + 30 > count, "{name}");
+        assert!(same.count() + 4 >= count, "{name}");
     }
 }
 
@@ -446,15 +445,14 @@ fn nets_pass_through_their_corners_and_lie_level_at_rest() {
         let found = surface.at(across, along);
         assert!(found.distance(expected) < 1e-9, "{across} {along}: {found}");
     }
-    assert_eq!(rest_place(0, 5), 0.0);
-    assert_eq!(rest_place(4, 5), 1.0);
     // A corner point is where the surface ends; an inner one only pulls.
     let mut pulled = net.clone();
     pulled[0][0][2] = 9.0;
     pulled[1][2][2] = 30.0;
     let surface = Net::new(&pulled);
     assert!((surface.at(0.0, 0.0).z - 9.0).abs() < 1e-9);
-    let height = surface.at(rest_place(2, 6), rest_place(1, 4)).z;
+    let rest = [net[1][2][0] / 10.0, net[1][2][1] / 20.0];
+    let height = surface.at(rest[0], rest[1]).z;
     assert!(5.0 < height && height < 29.0, "{height}");
     // Smooth: slopes on both sides of a knot are the same.
     let slope = |x: f64| (surface.at(x + 1e-6, 0.4) - surface.at(x - 1e-6, 0.4)) / 2e-6;
@@ -477,7 +475,7 @@ fn what_cannot_be_bent_is_refused() {
             d.form.kind = FormKind::Wave;
             (d.form.wavelength, d.form.steepness) = (5.0, 70.0);
         },
-        "form",
+        "form.kind",
     );
     refused(
         &|d| {

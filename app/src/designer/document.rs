@@ -34,7 +34,7 @@ pub struct Document {
     /// What the file holds; nothing for a design that was recovered.
     saved: Option<Design>,
     path: Option<PathBuf>,
-    /// The file of the chart that was painted here, as it was last read or written.
+    /// The files of the chart and the nap map that were painted here, as they were last read or written.
     pub own_images: OwnImages,
     /// Name of a design without a file that was made from something with a name.
     name: Option<String>,

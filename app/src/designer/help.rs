@@ -28,6 +28,10 @@ const CLOTH: Part = Part(
         ("S", "Take a snapshot"),
         ("C", "Compare with the snapshot"),
         ("Alt+1 … Alt+9", "Saved views"),
+        (
+            "Drag a point of the net",
+            "Pull the cloth; with Alt up and down",
+        ),
         ("F11", "The cloth alone, and back"),
     ],
 );

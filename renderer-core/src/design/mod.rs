@@ -9,6 +9,7 @@ mod colour;
 mod environment_image;
 mod environment_light;
 mod fields;
+mod form;
 pub mod nap_edit;
 mod pattern;
 pub mod preset;

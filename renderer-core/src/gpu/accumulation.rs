@@ -6,8 +6,7 @@ use std::ops::Range;
 use glam::{DVec2, DVec3};
 
 use crate::render::convergence::PixelErrors;
-use crate::render::{Counters, RenderError, RenderRequest, Skip, background_tiles};
-use crate::scene::Scene;
+use crate::render::{Counters, RenderError, RenderRequest, Skip, background_tiles, cloth_box};
 
 use super::GpuContext;
 use super::layout::{
@@ -285,10 +284,7 @@ impl Accumulation {
 /// Ray bases of some tiles of a picture `across` tiles wide; a tile's reference point is its centre.
 fn ray_tiles(request: &RenderRequest, across: u32, tiles: &[u32]) -> Vec<RayTile> {
     let scene = &request.scene;
-    let cloth = match &*scene.form {
-        Some(form) => form.bounds(),
-        None => level_box(scene),
-    };
+    let cloth = cloth_box(scene);
     let [x, y, _, _] = request.crop.map(f64::from);
     let side = f64::from(TILE);
     (tiles.iter())
@@ -317,16 +313,6 @@ fn ray_tiles(request: &RenderRequest, across: u32, tiles: &[u32]) -> Vec<RayTile
             }
         })
         .collect()
-}
-
-/// The box around level cloth, mm.
-fn level_box(scene: &Scene) -> [DVec3; 2] {
-    let sheet = &scene.sheet;
-    let cells = DVec2::new(sheet.warps.into(), sheet.wefts.into());
-    let pitch = DVec2::new(sheet.pitch_x_mm, sheet.pitch_y_mm);
-    let half = 0.5 * cells * pitch + scene.loops.beyond_sheet_mm(sheet);
-    let [low, high] = scene.heights_mm();
-    [(-half).extend(low), half.extend(high)]
 }
 
 /// A power of two, mm, of which f32 holds all whole multiples up to what a tile's pixels, and as many cells, lie apart: sums

@@ -106,28 +106,25 @@ impl Camera {
     /// Width of a pixel of a picture `height` pixels high, across the view where its middle meets the sheet's plane (or at the
     /// eye's height above it, for views past the sheet), mm.
     pub fn pixel_mm(&self, height: u32) -> f64 {
-        let height = f64::from(height.max(1));
-        match self.projection {
-            Projection::Orthographic { height_mm } => height_mm / height,
-            Projection::Perspective { fov } => {
-                let to_plane = -self.eye.z / self.forward.z;
-                let distance = if to_plane > 0.0 && to_plane.is_finite() {
-                    to_plane.min(self.eye.length())
-                } else {
-                    self.eye.z.abs()
-                };
-                2.0 * distance * (0.5 * fov).tan() / height
-            }
-        }
+        let to_plane = -self.eye.z / self.forward.z;
+        let distance = if to_plane > 0.0 && to_plane.is_finite() {
+            to_plane.min(self.eye.length())
+        } else {
+            self.eye.z.abs()
+        };
+        self.pixel_mm_at_depth(distance, height)
     }
 
     /// Width of a pixel of a picture `height` pixels high, across the view at a point, mm.
     pub fn pixel_mm_at(&self, point: DVec3, height: u32) -> f64 {
+        let depth = (point - self.eye).dot(self.forward);
+        self.pixel_mm_at_depth(depth.max(0.0), height)
+    }
+
+    fn pixel_mm_at_depth(&self, depth: f64, height: u32) -> f64 {
         let across = match self.projection {
             Projection::Orthographic { height_mm } => height_mm,
-            Projection::Perspective { fov } => {
-                2.0 * (point - self.eye).dot(self.forward).max(0.0) * (0.5 * fov).tan()
-            }
+            Projection::Perspective { fov } => 2.0 * depth * (0.5 * fov).tan(),
         };
         across / f64::from(height.max(1))
     }

@@ -17,7 +17,7 @@ use crate::scene::{AreaLight, Lights, PileReach, SeenCells, SunLight};
 /// Allowance for rounding, and for rays that start a little off a surface, mm.
 const SLACK_MM: f64 = 0.01;
 
-/// A coarse picture: the first sample of some pixels.
+/// A coarse picture of level cloth: the first sample of some pixels. Which cells bent cloth shows is not told so quickly.
 #[derive(Debug, Clone, Copy)]
 pub struct FirstLook<'a> {
     /// The cloth.

@@ -151,15 +151,7 @@ pub(super) fn shear_mm(finish: &Finish, face: Face) -> Option<f64> {
 }
 
 /// Whether shears have reached a loop: its highest corner is where they cut, to the rounding of stored shapes.
-pub(super) fn is_shorn(
-    patch: &LoopPatch,
-    face: Face,
-    shear_mm: Option<f64>,
-    length_unit_mm: f32,
-) -> bool {
-    let Some(shear_mm) = shear_mm else {
-        return false;
-    };
+pub(super) fn is_shorn(patch: &LoopPatch, face: Face, shear_mm: f64, length_unit_mm: f32) -> bool {
     let root = 0.5 * (f64::from(patch.root_z0) + f64::from(patch.root_z1));
     let middle = face.sign() * (root + f64::from(patch.axis[2]));
     let highest = middle + f64::from(patch.half_top[2]).abs();

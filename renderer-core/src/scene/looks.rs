@@ -148,13 +148,15 @@ pub(super) fn looks(
                     let colour = chart.colour(i as usize, j as usize).unwrap_or_default();
                     let (albedo, material) = cache.get(colour);
                     let hash = loop_hash(design.turbulence.seed, i, j, planted.face);
-                    let shear_mm = shears_mm[usize::from(planted.face == Face::Back)];
-                    let patch = loops.patch(planted.index as usize);
-                    let material = if is_shorn(&patch, planted.face, shear_mm, loops.length_unit_mm)
-                    {
-                        materials.shorn[usize::from(material)]
-                    } else {
-                        material
+                    let is_shorn = |shear_mm| {
+                        let patch = loops.patch(planted.index as usize);
+                        is_shorn(&patch, planted.face, shear_mm, loops.length_unit_mm)
+                    };
+                    let material = match shears_mm[usize::from(planted.face == Face::Back)] {
+                        Some(shear_mm) if is_shorn(shear_mm) => {
+                            materials.shorn[usize::from(material)]
+                        }
+                        _ => material,
                     };
                     LoopLook {
                         albedo,

@@ -41,7 +41,7 @@ pub use chart::ChartOnSheet;
 pub use compile::{CompileError, Compiler, SeenScene, compile, warnings};
 pub use curve::MonotoneCurve;
 pub use finish::{LoopFinish, wet_reflectance};
-pub use form::{FormMesh, Net, ORDERS, Order, TetMap, bent_box, net_through, rest_place};
+pub use form::{FormMesh, Net, ORDERS, Order, TetMap, bent_box, net_through};
 pub use frames::{
     FrameSettings, Jitter, LoopInput, MAX_LEAN, MAX_SKEW, MAX_TWIST, loop_hash, loop_shape,
 };

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::bounds::box_of;
 use super::finish::Finishing;
-use super::frames::{FrameRules, Jitter, LoopInput, loop_hash, loop_shape};
+use super::frames::{FrameRules, FrameSettings, Jitter, LoopInput, loop_hash, loop_shape};
 use super::grid::{Planted, WholePile};
 use super::length::Cells;
 use super::skeleton::{Face, RootHeights};
@@ -171,11 +171,7 @@ impl LoopsInputs {
     ) -> Row {
         let mut row = Row::with_room_for(cells.row_len(j));
         for i in cells.row(j) {
-            let cell = j * self.sheet.warps as usize + i;
-            let (length, settings) = (
-                self.cells.length_mm(cell),
-                self.frames.of_row(self.cells.row(cell)),
-            );
+            let (length, settings) = self.of_cell(i, j);
             for (face, stands) in FACES.into_iter().zip(faces.at(i, j)) {
                 if !stands {
                     continue;
@@ -199,6 +195,13 @@ impl LoopsInputs {
         row
     }
 
+    /// Length of a cell's loops before turbulence, mm, and the settings of their frames.
+    fn of_cell(&self, i: usize, j: usize) -> (f64, &FrameSettings) {
+        let cell = j * self.sheet.warps as usize + i;
+        let settings = self.frames.of_row(self.cells.row(cell));
+        (self.cells.length_mm(cell), settings)
+    }
+
     fn box_of(&self, shape: &LoopPatch) -> [DVec3; 2] {
         let common = self.frames.common();
         box_of(shape, common.base_width as f32, common.thickness as f32)
@@ -208,11 +211,7 @@ impl LoopsInputs {
     fn whole_row(&self, turbulence: &TurbulenceField, faces: &Faces, j: usize) -> Row {
         let mut row = Row::default();
         for i in 0..self.sheet.warps as usize {
-            let cell = j * self.sheet.warps as usize + i;
-            let (length, settings) = (
-                self.cells.length_mm(cell),
-                self.frames.of_row(self.cells.row(cell)),
-            );
+            let (length, settings) = self.of_cell(i, j);
             for (face, stands) in FACES.into_iter().zip(faces.at(i, j)) {
                 let stands = stands && length > 0.0;
                 // Where the chart has no length any other costs as much.

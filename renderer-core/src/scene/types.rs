@@ -70,12 +70,19 @@ impl Scene {
         heights_mm(&self.loops, &self.skeleton)
     }
 
-    /// The world position of a sheet position as far as lights need it: suns and surroundings need none.
+    /// The world position of a sheet position, mm.
+    #[inline(always)]
+    pub fn world_of(&self, sheet: DVec3) -> DVec3 {
+        (self.form.as_ref()).map_or(sheet, |form| form.world_of(sheet))
+    }
+
+    /// The same as far as lights need it: suns and surroundings need none.
     #[inline(always)]
     pub fn lit_point(&self, sheet: DVec3) -> DVec3 {
-        match &*self.form {
-            Some(form) if !self.lights.areas.is_empty() => form.world_of(sheet),
-            _ => sheet,
+        if self.lights.areas.is_empty() {
+            sheet
+        } else {
+            self.world_of(sheet)
         }
     }
 

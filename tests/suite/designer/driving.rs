@@ -202,6 +202,18 @@ pub(crate) fn choose(harness: &mut Harness<'_, App>, name: &str, choice: &str) {
     harness.run_steps(4);
 }
 
+/// Drags from one place in the window to another, in steps.
+pub(crate) fn drag(harness: &mut Harness<'_, App>, from: Pos2, to: Pos2) {
+    harness.drag_at(from);
+    harness.run_steps(2);
+    for step in 1..=4 {
+        harness.hover_at(from + (to - from) * (step as f32 / 4.0));
+        harness.run_steps(1);
+    }
+    harness.drop_at(to);
+    harness.run_steps(3);
+}
+
 /// Replaces the text of the file dialog's path field.
 #[track_caller]
 pub(crate) fn type_path(harness: &mut Harness<'_, App>, path: &Path) {

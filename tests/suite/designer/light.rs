@@ -30,17 +30,6 @@ fn place(harness: &Harness<'_, App>, azimuth: f64, elevation: f64) -> Pos2 {
     sphere.center() + offset * (sphere.width() / 2.0 - 12.0)
 }
 
-fn drag(harness: &mut Harness<'_, App>, from: Pos2, to: Pos2) {
-    harness.drag_at(from);
-    harness.run_steps(2);
-    for step in 1..=4 {
-        harness.hover_at(from + (to - from) * (step as f32 / 4.0));
-        harness.run_steps(1);
-    }
-    harness.drop_at(to);
-    harness.run_steps(3);
-}
-
 /// A point of the screen is a degree or two on the sphere, more towards its rim.
 #[track_caller]
 fn stands_at(sun: &Sun, azimuth: f64, elevation: f64) {

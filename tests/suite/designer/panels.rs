@@ -307,14 +307,7 @@ fn the_nap_is_combed_on_its_picture() {
         rect.center() - vec2(0.3 * rect.width(), 0.0),
         rect.center() + vec2(0.3 * rect.width(), 0.0),
     );
-    harness.drag_at(from);
-    harness.run_steps(2);
-    for k in 1..=4 {
-        harness.hover_at(from + (to - from) * (k as f32 / 4.0));
-        harness.run_steps(1);
-    }
-    harness.drop_at(to);
-    harness.run_steps(3);
+    drag(&mut harness, from, to);
     let [right, up] = direction_at(&harness, 60, 70);
     assert!(right > 0.9 && up.abs() < 0.2, "{right} {up}");
     assert!(

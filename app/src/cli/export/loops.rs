@@ -1,5 +1,5 @@
 //! `export loops`: every loop of a design, in mm and world space, and the list of them as JSON with what else a renderer
-//! needs to draw the same picture.
+//! needs to draw the same picture. Bent cloth has its loops where they lie; its ground is told as that of flat cloth.
 
 use std::path::Path;
 
@@ -46,8 +46,11 @@ pub fn records<'s>(
             planted,
             corners: patch
                 .corners(loops.base_width_mm)
-                .map(|corner| centre + corner),
-            normal: patch.normal(loops.base_width_mm),
+                .map(|corner| scene.world_of(centre + corner)),
+            normal: match &*scene.form {
+                Some(form) => form.turn_at(centre) * patch.normal(loops.base_width_mm),
+                None => patch.normal(loops.base_width_mm),
+            },
             colour: Colour(chart.colour(i as usize, j as usize).unwrap_or_default()),
             length: DVec3::from_array(patch.axis.map(f64::from)).length(),
             albedo: look.albedo(),

@@ -13,13 +13,13 @@ mod net;
 mod profile;
 mod surface;
 
-pub use net::{Net, net_through, rest_place};
+pub use net::{Net, net_through};
 
 use glam::{DMat3, DVec2, DVec3};
 
 use self::surface::Surface;
 use super::{Loops, PileReach, SheetGeometry};
-use crate::design::{Design, Fault, Form};
+use crate::design::{Design, Fault, Form, FormKind};
 use crate::geometry::{Interval, Ray, clip_to_box};
 
 /// Angle between neighbouring facets up to which they are made larger, radians: the map's bends hardly show in pile.
@@ -157,7 +157,10 @@ impl FormMesh {
                     let at = self.sheet_of(facet, DVec3::splat(0.5));
                     let [low, high] = self.heights;
                     return Err(Fault {
-                        path: "form".into(),
+                        path: match form.kind {
+                            FormKind::Net => "form.net".into(),
+                            _ => "form.kind".into(),
+                        },
                         value: format!(
                             "{:?}, bent so sharply at {:.0}, {:.0} mm of the cloth that its pile, which stands from {low:.1} to {high:.1} mm, passes through itself",
                             form.kind.name(),
@@ -299,14 +302,11 @@ impl FormMesh {
 
     /// The tetrahedron that holds a world position, if any does.
     pub fn holding(&self, point: DVec3) -> Option<([i64; 2], Order)> {
-        let holds = |[low, high]: [DVec3; 2]| low.cmple(point).all() && point.cmple(high).all();
-        if !holds(self.bounds()) {
-            return None;
-        }
-        let boxes = self.all_facets().zip(&self.boxes);
         let facets =
-            boxes.filter(|(_, bounds)| holds(bounds.map(|corner| corner.map(f64::from).into())));
-        let mut tets = facets.flat_map(|(facet, _)| ORDERS.map(|order| (facet, order)));
+            self.facets_where(|[low, high]| low.cmple(point).all() && point.cmple(high).all());
+        let mut tets = facets
+            .into_iter()
+            .flat_map(|facet| ORDERS.map(|order| (facet, order)));
         tets.find(|&(facet, order)| {
             let map = self.tet(facet, order);
             let shares = map.per_share.inverse() * (point - map.origin);
@@ -343,29 +343,38 @@ impl FormMesh {
 
     /// The facets whose boxes a ray of the world meets, in no order.
     pub fn facets_along(&self, ray: &Ray) -> Vec<[i64; 2]> {
-        let mut met = Vec::new();
-        let top = self.levels.len() - 1;
-        self.add_facets_along(ray, top, [0, 0], &mut met);
-        met
+        let whole = Interval::new(0.0, f64::INFINITY);
+        self.facets_where(|[low, high]| !clip_to_box(ray, whole, low, high).is_empty())
     }
 
-    fn add_facets_along(&self, ray: &Ray, level: usize, [x, y]: [u32; 2], met: &mut Vec<[i64; 2]>) {
+    /// The facets whose boxes, and all boxes around these, are `wanted`: told by their least and greatest corner, world, mm.
+    fn facets_where(&self, wanted: impl Fn([DVec3; 2]) -> bool) -> Vec<[i64; 2]> {
+        let mut facets = Vec::new();
+        self.add_facets_where(&wanted, self.levels.len() - 1, [0, 0], &mut facets);
+        facets
+    }
+
+    fn add_facets_where(
+        &self,
+        wanted: &impl Fn([DVec3; 2]) -> bool,
+        level: usize,
+        [x, y]: [u32; 2],
+        facets: &mut Vec<[i64; 2]>,
+    ) {
         let [columns, rows] = self.levels[level];
         if x >= columns || y >= rows {
             return;
         }
         let bounds = self.boxes[self.first_box(level) + (y * columns + x) as usize];
-        let [low, high] = bounds.map(|corner| corner.map(f64::from).into());
-        let whole = Interval::new(0.0, f64::INFINITY);
-        if clip_to_box(ray, whole, low, high).is_empty() {
+        if !wanted(bounds.map(|corner| corner.map(f64::from).into())) {
             return;
         }
         if level == 0 {
-            met.push([i64::from(x), i64::from(y)]);
+            facets.push([i64::from(x), i64::from(y)]);
             return;
         }
         for [i, j] in [[0, 0], [1, 0], [0, 1], [1, 1]] {
-            self.add_facets_along(ray, level - 1, [2 * x + i, 2 * y + j], met);
+            self.add_facets_where(wanted, level - 1, [2 * x + i, 2 * y + j], facets);
         }
     }
 
@@ -408,6 +417,12 @@ impl FormMesh {
         }
     }
 
+    /// How directions of the sheet are turned into those of the world at a sheet position.
+    pub fn turn_at(&self, sheet: DVec3) -> DMat3 {
+        let (facet, shares) = self.shares_of(sheet);
+        self.tet(facet, Self::order_of(shares)).turn()
+    }
+
     /// World position of a sheet position.
     pub fn world_of(&self, sheet: DVec3) -> DVec3 {
         let (facet, shares) = self.shares_of(sheet);
@@ -421,10 +436,13 @@ impl FormMesh {
 }
 
 /// About the box around the cloth of a design that is not level, world, mm: of some points of its surface, as high and as low as
-/// its loops may be. `None` also for forms that have no room for the pile.
+/// its loops may be. `None` also for designs with faults, and for forms that have no room for the pile.
 pub fn bent_box(design: &Design) -> Option<[DVec3; 2]> {
     /// Points along each side.
     const POINTS: u32 = 48;
+    if !design.faults().is_empty() {
+        return None;
+    }
     let reach = PileReach::of(design);
     let sheet = &reach.sheet;
     let size = DVec2::new(

@@ -17,7 +17,7 @@ fn knot(index: usize, count: usize) -> f64 {
 }
 
 /// Where along a side, from 0 to 1, point `index` of `count` stands in a net that stretches nothing (Greville's abscissa).
-pub fn rest_place(index: usize, count: usize) -> f64 {
+fn rest_place(index: usize, count: usize) -> f64 {
     let sum: f64 = (1..=3).map(|k| knot(index + k, count)).sum();
     sum / (3 * (count - 3)) as f64
 }

@@ -71,17 +71,6 @@ impl Loops {
         ]
     }
 
-    /// How far the grid goes beyond the sheet's borders at most, mm.
-    pub fn beyond_sheet_mm(&self, sheet: &SheetGeometry) -> f64 {
-        let half = [
-            0.5 * f64::from(sheet.warps) * sheet.pitch_x_mm,
-            0.5 * f64::from(sheet.wefts) * sheet.pitch_y_mm,
-        ];
-        let [low, high] = self.borders_mm(sheet);
-        let beyond = [0, 1].map(|axis| (-low[axis]).max(high[axis]) - half[axis]);
-        beyond[0].max(beyond[1])
-    }
-
     /// Entries of the block with this header.
     pub fn entries_of(&self, header: usize) -> &[BlockEntry] {
         let end = self.headers[header + 1].entries_start as usize;

@@ -476,7 +476,7 @@ fn a_picture_of_the_surroundings_lights_the_cloth() {
             "{left} and {right}, not {dark}"
         );
         assert!((left / right - 1.0).abs() > 0.02, "{left} and {right}");
-        // Directions are drawn by the light, column by column: a turned picture gives other samples of the same mean, here five
+        // Directions are drawn by the light, column by column: a turned picture gives other samples of the same mean, here three
         // in a thousand apart.
         assert!(
             (turned / right - 1.0).abs() < 0.012,
@@ -764,6 +764,42 @@ fn loops_are_exported_whole_and_alike_in_both_formats() {
     let last = glb.len() - 24;
     let indices: Vec<usize> = (0..6).map(|k| word(last + 4 * k)).collect();
     assert_eq!(indices, [476, 477, 478, 476, 478, 479]);
+}
+
+#[test]
+fn loops_of_bent_cloth_are_exported_where_they_lie() {
+    let bench = Bench::new();
+    bench.ok(&["export", "loops", "small.toml", "-o", "level.json"]);
+    let level = bench.json("level.json");
+    // A net that sets the cloth upright: what was y is z, and what was z is -y.
+    let pitch: [f64; 2] = serde_json::from_value(level["pitch"].clone()).unwrap();
+    let size = [12.0 * pitch[0], 10.0 * pitch[1]];
+    let net = renderer_core::scene::net_through([4, 4], |across, along| {
+        [size[0] * (across - 0.5), 0.0, size[1] * (along - 0.5)]
+    });
+    let upright = SMALL.to_owned() + &format!("[form]\nkind = 'net'\nnet = {net:?}\n");
+    fs::write(bench.path("upright.toml"), upright).unwrap();
+    bench.ok(&["export", "loops", "upright.toml", "-o", "upright.json"]);
+    let upright = bench.json("upright.json");
+    let [level, upright] = [&level, &upright].map(|json| json["loops"].as_array().unwrap());
+    assert_eq!((level.len(), upright.len()), (120, 120));
+    let vector =
+        |value: &serde_json::Value| -> [f64; 3] { serde_json::from_value(value.clone()).unwrap() };
+    for (level, upright) in level.iter().zip(upright) {
+        for name in ["p0", "p1", "p2", "p3", "normal"] {
+            let ([x, y, z], found) = (vector(&level[name]), vector(&upright[name]));
+            for (expected, found) in [x, -z, y].into_iter().zip(found) {
+                // Corners of facets are rounded to f32: 1e-6 of numbers up to 16 mm.
+                assert!(
+                    (expected - found).abs() < 1e-5,
+                    "{name}: {expected} {found}"
+                );
+            }
+        }
+        for name in ["cell", "face", "colour", "length"] {
+            assert_eq!(level[name], upright[name]);
+        }
+    }
 }
 
 #[test]

@@ -19,6 +19,7 @@ mod cpu;
 mod designer;
 mod environment;
 mod error_estimate;
+mod excerpts;
 mod finish;
 mod first_look;
 mod form;

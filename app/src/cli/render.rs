@@ -12,8 +12,8 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 use renderer_core::design::{Design, Method, Quality};
 use renderer_core::image::{Background, Depth, Display, ExrLayer};
-use renderer_core::render::{Camera, Settings, Skip, Skips};
-use renderer_core::scene::{self, Compiler};
+use renderer_core::render::{Camera, Extent, Settings, Sight, Skip, Skips};
+use renderer_core::scene::{self, Cancel, Compiler};
 
 use super::stats::{Bytes, Seconds, Stats, scene_bytes};
 use super::{BadArgument, arguments};
@@ -122,7 +122,17 @@ pub fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
     seconds.open = start.elapsed().as_secs_f64();
 
     let mut compiler = Compiler::new(skips(arguments));
-    let scene = timed(&mut seconds.compile, || compiler.compile(design))?;
+    let Sight { scene, camera } = timed(&mut seconds.compile, || {
+        let cancel = Cancel::never();
+        Sight::new(
+            &mut compiler,
+            design,
+            &camera,
+            arguments.size,
+            Extent::FINAL,
+            &cancel,
+        )
+    })?;
     if !arguments.quiet {
         for warning in &opened.warnings {
             eprintln!("warning: {warning}");

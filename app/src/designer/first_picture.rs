@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use anyhow::anyhow;
 use renderer_core::design::{CameraDesign, Design};
 use renderer_core::image::Display;
-use renderer_core::render::{Backend, Camera, RenderRequest};
+use renderer_core::render::{Backend, Camera, RenderRequest, Sight};
 
 use super::render_thread::{Activity, RenderThread};
 use super::renderer::for_window;
@@ -172,9 +172,14 @@ impl Bystander {
         let size = self.wish.size;
         let mut settings = self.wish.light.settings(&self.wish.design);
         settings.seed = seed;
+        let Sight { scene, camera } = Sight::of(
+            scene.ok_or_else(|| anyhow!("nothing was shown"))?,
+            &self.wish.design,
+            &Camera::from_design(&self.wish.camera),
+        );
         let request = RenderRequest {
-            scene: scene.ok_or_else(|| anyhow!("nothing was shown"))?,
-            camera: Camera::from_design(&self.wish.camera),
+            scene,
+            camera,
             size,
             crop: [0, 0, size[0], size[1]],
             settings,

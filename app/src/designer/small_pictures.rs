@@ -17,7 +17,7 @@ use egui::{Color32, ColorImage};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use renderer_core::design::{CameraDesign, Design};
 use renderer_core::image::{Display, Picture};
-use renderer_core::render::{Backend, Camera, RenderRequest};
+use renderer_core::render::{Backend, Camera, Extent, RenderRequest, Sight};
 use renderer_core::scene::{Cancel, CompileError, Compiler};
 
 use super::live_light::LiveLight;
@@ -349,8 +349,16 @@ impl Work {
         let key = &self.key;
         let is_unwanted = || shared.interrupt.load(Ordering::Relaxed) && shared.is_unwanted(key);
         let cancel = Cancel::when(&is_unwanted);
-        let scene = match Compiler::default().compile_unless_cancelled(design, &cancel) {
-            Ok(scene) => scene,
+        let made = Sight::new(
+            &mut Compiler::default(),
+            design,
+            &Camera::from_design(&subject.camera),
+            self.size,
+            Extent::LIVE,
+            &cancel,
+        );
+        let Sight { scene, camera } = match made {
+            Ok(sight) => sight,
             Err(CompileError::Cancelled) => return Ok(None),
             Err(error) => return Err(error.to_string()),
         };
@@ -358,7 +366,7 @@ impl Work {
         (settings.samples, settings.error) = (self.samples, 0.0);
         let request = RenderRequest {
             scene,
-            camera: Camera::from_design(&subject.camera),
+            camera,
             size: self.size,
             crop: [0, 0, self.size[0], self.size[1]],
             settings,

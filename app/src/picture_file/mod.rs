@@ -267,7 +267,14 @@ impl Work<'_> {
         let mut spent = Spent::zero();
         let rendered = timed(&mut spent, || {
             let (samples, error) = self.render(crop, tell)?;
-            Ok((samples, error, self.backend.picture()?))
+            let mut picture = self.backend.picture()?;
+            if let (Some(excerpt), Some(aov)) = (&self.order.scene.sheet.excerpt, &mut picture.aov)
+            {
+                // A scene that is smaller than the cloth has smaller distances.
+                let cloth_mm = (1.0 / excerpt.scale()) as f32;
+                aov.depth.iter_mut().for_each(|depth| *depth *= cloth_mm);
+            }
+            Ok((samples, error, picture))
         });
         self.made.render += spent;
         rendered

@@ -134,6 +134,7 @@ impl Design {
 
     /// Faults of fields that are each in range but not together.
     fn push_relation_faults(&self, faults: &mut Vec<Fault>) {
+        faults.extend(self.fault_of_size());
         let mut fault = |path: &str, value: f64, allowed: String| {
             faults.push(Fault {
                 path: path.into(),
@@ -141,18 +142,6 @@ impl Design {
                 allowed,
             });
         };
-        let cells = f64::from(self.sheet.warps) * f64::from(self.sheet.wefts);
-        if cells > Sheet::MAX_CELLS {
-            fault(
-                "sheet.wefts",
-                f64::from(self.sheet.wefts),
-                format!(
-                    "at most {} crossings with {} warps",
-                    Sheet::MAX_CELLS,
-                    self.sheet.warps
-                ),
-            );
-        }
         if self.length.min > self.length.max {
             fault(
                 "length.min",
@@ -183,6 +172,24 @@ impl Design {
             );
         }
         self.push_area_faults(faults);
+    }
+
+    /// What is wrong with the cloth's size: only level cloth whose loops do not depend on each other is made in excerpts.
+    fn fault_of_size(&self) -> Option<Fault> {
+        let (most, unless) = if self.form.kind != FormKind::Flat {
+            (
+                Sheet::MAX_CELLS_AT_ONCE,
+                "; more when form.kind is \"flat\"",
+            )
+        } else if self.turbulence.is_filtered() {
+            (
+                Sheet::MAX_CELLS_AT_ONCE,
+                "; more when turbulence.filter is \"none\"",
+            )
+        } else {
+            (Sheet::MAX_CELLS, "")
+        };
+        self.sheet.fault_of_cells(most, unless)
     }
 
     /// Faults of area lights that stand in the cloth: what lies behind one would be in the way of rays to it.

@@ -26,9 +26,11 @@ section! {
 }
 
 impl Sheet {
-    /// Most crossings of warps and wefts that a sheet may have: a carpet of four by four metres at ten loops a centimetre. With
-    /// loops on both faces of every crossing the scene and its frames take some 10 GB.
-    pub const MAX_CELLS: f64 = 16e6;
+    /// Most crossings of warps and wefts that a sheet may have: a carpet of twenty by twenty metres at ten loops a centimetre.
+    pub const MAX_CELLS: f64 = 4e8;
+    /// Most crossings that are made at once: a carpet of four by four metres. With loops on both faces of every crossing the scene
+    /// and its frames take some 10 GB.
+    pub const MAX_CELLS_AT_ONCE: f64 = 16e6;
     /// Farthest that a loop may reach, in cells: what a cell list entry can address.
     pub const MAX_REACH_CELLS: f64 = 60.0;
 
@@ -40,6 +42,24 @@ impl Sheet {
     /// Distance between wefts, mm.
     pub fn pitch_y(&self) -> f64 {
         10.0 / self.wefts_per_cm
+    }
+
+    /// What is wrong with the number of crossings for what makes all of them at once.
+    pub fn fault_of_all_cells(&self) -> Option<Fault> {
+        self.fault_of_cells(
+            Self::MAX_CELLS_AT_ONCE,
+            " for what needs the whole cloth at once",
+        )
+    }
+
+    /// What is wrong with the number of crossings where there may be so many; `when` tells where.
+    pub(super) fn fault_of_cells(&self, most: f64, when: &str) -> Option<Fault> {
+        let cells = f64::from(self.warps) * f64::from(self.wefts);
+        (cells > most).then(|| Fault {
+            path: "sheet.wefts".into(),
+            value: self.wefts.to_string(),
+            allowed: format!("at most {most} crossings with {} warps{when}", self.warps),
+        })
     }
 }
 
@@ -555,6 +575,13 @@ section! {
             /// Smoothing over neighbouring cells.
             filter: Filter = Filter::None;
         }
+    }
+}
+
+impl Turbulence {
+    /// Whether neighbours are blended, so that every loop depends on others.
+    pub fn is_filtered(&self) -> bool {
+        self.filter != Filter::None
     }
 }
 

@@ -11,11 +11,13 @@ pub mod convergence;
 mod first_look;
 pub mod progressive;
 pub mod shadow_cache;
+mod sight;
 mod skips;
 
 pub use background::{background_tiles, cloth_box};
 pub use camera::{Camera, Projection, RayTile};
 pub use first_look::FirstLook;
+pub use sight::{Extent, Sight, excerpt_for};
 pub use skips::{Skip, Skips};
 
 use std::sync::Arc;

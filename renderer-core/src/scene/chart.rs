@@ -8,6 +8,7 @@ use crate::design::{Chart, ChartImage, Fit, OPAQUE_FROM};
 #[derive(Debug, Clone, Copy)]
 pub struct ChartOnSheet<'a> {
     chart: &'a Chart,
+    /// Warps and wefts of the cloth it lies on.
     cells: [usize; 2],
 }
 

@@ -36,7 +36,7 @@ use super::turbulence::TurbulenceField;
 use super::types::heights_mm;
 use super::volumes::rasterise_unless_cancelled;
 use super::{
-    CellSet, FormMesh, Lights, LoopLook, Loops, PileOptics, Scene, Section, SeenCells,
+    CellSet, Excerpt, FormMesh, Lights, LoopLook, Loops, PileOptics, Scene, Section, SeenCells,
     SheetGeometry, Skeleton, Volumes,
 };
 use crate::design::{
@@ -216,7 +216,20 @@ impl Compiler {
         design: &Design,
         cancel: &Cancel<'_>,
     ) -> Result<Arc<Scene>, CompileError> {
-        match self.make(design, None, cancel)? {
+        self.compile_excerpt(design, None, cancel)
+    }
+
+    /// The scene of an excerpt of a design, or of all of it.
+    ///
+    /// # Errors
+    /// As [`Self::compile_unless_cancelled`].
+    pub fn compile_excerpt(
+        &mut self,
+        design: &Design,
+        excerpt: Option<Excerpt>,
+        cancel: &Cancel<'_>,
+    ) -> Result<Arc<Scene>, CompileError> {
+        match self.make(design, excerpt, None, cancel)? {
             SeenScene::Whole(scene) | SeenScene::Part(scene) => Ok(scene),
         }
     }
@@ -232,12 +245,12 @@ impl Compiler {
         seen: &SeenCells,
         cancel: &Cancel<'_>,
     ) -> Result<SeenScene, CompileError> {
-        self.make(design, Some(seen), cancel)
+        self.make(design, None, Some(seen), cancel)
     }
 
     /// Whether the loops of a design are there already, so that a scene for a first look saves nothing.
     pub fn has_loops_of(&mut self, design: &Design) -> bool {
-        let inputs = self.loops_inputs(design);
+        let inputs = self.loops_inputs(design, &SheetGeometry::new(design));
         kept(self.loops.as_ref(), &inputs).is_some()
     }
 
@@ -248,27 +261,36 @@ impl Compiler {
 
     fn make(
         &mut self,
-        design: &Design,
+        whole: &Design,
+        excerpt: Option<Excerpt>,
         seen: Option<&SeenCells>,
         cancel: &Cancel<'_>,
     ) -> Result<SeenScene, CompileError> {
         let start = Instant::now();
         self.report = CompileReport::default();
-        let faults = design.faults();
+        let mut faults = whole.faults();
+        if excerpt.is_none() && faults.is_empty() {
+            faults.extend(whole.sheet.fault_of_all_cells());
+        }
         if !faults.is_empty() {
             return Err(CompileError::Invalid(faults));
         }
+        let shrunk = excerpt.map(|excerpt| excerpt.design(whole));
+        let design = shrunk.as_ref().unwrap_or(whole);
         if !self.skips.has(Skip::UnchangedSections) {
             *self = Self::new(self.skips);
         }
         let old = self.scene.clone();
         let old = old.as_deref();
-        let sheet = SheetGeometry::new(design);
+        let sheet = SheetGeometry {
+            excerpt,
+            ..SheetGeometry::new(design)
+        };
         let skeleton = Skeleton::new(&design.weave, &design.skeleton).wet(design.finish.wetness);
         let materials = Materials::new(design);
         let optics = PileOptics::new(&materials);
 
-        let loops_inputs = self.loops_inputs(design);
+        let loops_inputs = self.loops_inputs(design, &sheet);
         let kept_loops = kept(self.loops.as_ref(), &loops_inputs);
         let is_part = seen.is_some() && kept_loops.is_none();
         let loops = match kept_loops {
@@ -311,6 +333,10 @@ impl Compiler {
             }
         };
 
+        let mut lights = Lights::new(&design.light);
+        if let Some(excerpt) = excerpt {
+            lights = lights.in_excerpt(&excerpt, whole);
+        }
         let form = self.form_of(&design.form, &sheet, &loops, &skeleton)?;
         let scene = Scene {
             sheet: keep(old.map(|old| &old.sheet), sheet),
@@ -320,7 +346,7 @@ impl Compiler {
             pile: keep(old.map(|old| &old.pile), optics),
             skeleton: keep(old.map(|old| &old.skeleton), skeleton),
             form,
-            lights: keep(old.map(|old| &old.lights), Lights::new(&design.light)),
+            lights: keep(old.map(|old| &old.lights), lights),
         };
         self.report.kept = old.map_or([false; SECTIONS.len()], |old| scene.same_sections(old));
         self.report.seconds.total = start.elapsed().as_secs_f64();
@@ -337,16 +363,15 @@ impl Compiler {
         Ok(SeenScene::Whole(scene))
     }
 
-    fn loops_inputs(&mut self, design: &Design) -> LoopsInputs {
-        let sheet = SheetGeometry::new(design);
+    fn loops_inputs(&mut self, design: &Design, sheet: &SheetGeometry) -> LoopsInputs {
         let skeleton = Skeleton::new(&design.weave, &design.skeleton);
         LoopsInputs {
-            sheet,
+            sheet: *sheet,
             weave: design.weave.clone(),
-            roots: RootHeights::new(&skeleton, &sheet, design.pile.base_width),
-            cells: self.cells_of(design, sheet),
+            roots: RootHeights::new(&skeleton, sheet, design.pile.base_width),
+            cells: self.cells_of(design, *sheet),
             frames: FrameRules::new(design),
-            finishing: Finishing::new(design, &sheet),
+            finishing: Finishing::new(design, sheet),
             turbulence: design.turbulence.clone(),
         }
     }
@@ -388,7 +413,8 @@ impl Compiler {
             return cells;
         }
         let cells = timed(&mut self.report.seconds.lengths, || {
-            let chart = ChartOnSheet::new(&design.chart, sheet.warps, sheet.wefts);
+            let [warps, wefts] = sheet.whole_cells();
+            let chart = ChartOnSheet::new(&design.chart, warps, wefts);
             Cells::new(&design.length, &chart, &sheet)
         });
         self.cells = Some((inputs, cells.clone()));
@@ -493,6 +519,7 @@ impl SheetGeometry {
             wefts: design.sheet.wefts,
             pitch_x_mm: design.sheet.pitch_x(),
             pitch_y_mm: design.sheet.pitch_y(),
+            excerpt: None,
         }
     }
 }

@@ -78,7 +78,8 @@ impl Finishing {
         }
     }
 
-    /// What happens to the loop with this hash of a cell, the middle of which is at a place, mm from the sheet's low corner.
+    /// What happens to the loop with this hash of a cell of the whole cloth; the middle of its cell is at a place, mm from the
+    /// cloth's low corner.
     pub(super) fn of_loop(
         &self,
         hash: u32,

@@ -113,6 +113,7 @@ impl<T: Copy + Default + PartialEq + Send + Sync> PerCell<T> {
             || ColourCache::new(&of),
             |cache, (j, row)| {
                 for (i, value) in row.iter_mut().enumerate() {
+                    let [i, j] = sheet.original(i, j);
                     let colour = chart.colour(i, j);
                     *value = colour.map_or(T::default(), |colour| cache.get(colour));
                 }

@@ -105,7 +105,8 @@ pub(super) fn looks(
     materials: &Materials,
     cancel: &Cancel<'_>,
 ) -> Vec<LoopLook> {
-    let chart = ChartOnSheet::new(&design.chart, sheet.warps, sheet.wefts);
+    let [warps, wefts] = sheet.whole_cells();
+    let chart = ChartOnSheet::new(&design.chart, warps, wefts);
     let rule = LengthRule::new(&design.length);
     let wetness = design.finish.wetness;
     let shears_mm = [Face::Front, Face::Back].map(|face| shear_mm(&design.finish, face));
@@ -143,11 +144,12 @@ pub(super) fn looks(
                     return Vec::new();
                 }
                 let looks = loops.planted_in_block_row(sheet, row).map(|planted| {
-                    let [i, j] = planted.cell;
+                    let [i, j] = planted.cell.map(|index| index as usize);
+                    let [i, j] = sheet.original(i, j);
                     // A loop stands only where the chart has a colour.
-                    let colour = chart.colour(i as usize, j as usize).unwrap_or_default();
+                    let colour = chart.colour(i, j).unwrap_or_default();
                     let (albedo, material) = cache.get(colour);
-                    let hash = loop_hash(design.turbulence.seed, i, j, planted.face);
+                    let hash = loop_hash(design.turbulence.seed, i as u32, j as u32, planted.face);
                     let is_shorn = |shear_mm| {
                         let patch = loops.patch(planted.index as usize);
                         is_shorn(&patch, planted.face, shear_mm, loops.length_unit_mm)

@@ -16,6 +16,7 @@ mod chart;
 mod compile;
 mod curve;
 pub mod escape;
+mod excerpt;
 mod finish;
 mod form;
 mod frames;
@@ -40,6 +41,7 @@ pub use cells::CellSet;
 pub use chart::ChartOnSheet;
 pub use compile::{CompileError, Compiler, SeenScene, compile, warnings};
 pub use curve::MonotoneCurve;
+pub use excerpt::Excerpt;
 pub use finish::{LoopFinish, wet_reflectance};
 pub use form::{FormMesh, Net, ORDERS, Order, TetMap, bent_box, net_through};
 pub use frames::{

@@ -9,6 +9,7 @@ use crate::design::{Chart, Colour, Fit, Nap, nap_edit};
 pub(super) struct NapOnSheet {
     /// The map as a chart, which knows how images are laid over cells.
     map: Chart,
+    /// Warps and wefts of the cloth it lies on.
     cells: [u32; 2],
     /// Lean where the map says all the way, radians.
     strength: f64,
@@ -26,7 +27,7 @@ impl NapOnSheet {
                 colour: Colour([r, g, b]),
                 ..Chart::default()
             },
-            cells: [sheet.warps, sheet.wefts],
+            cells: sheet.whole_cells(),
             strength: nap.strength.to_radians(),
         })
     }
@@ -36,7 +37,7 @@ impl NapOnSheet {
         self.strength
     }
 
-    /// How it leans the loops of cell (i, j). A map that covers the cloth is smooth between the middles of its pixels; in
+    /// How it leans the loops of cell (i, j) of that cloth. A map that covers the cloth is smooth between the middles of its pixels; in
     /// others one pixel is one crossing.
     pub(super) fn lean(&self, i: usize, j: usize) -> [f64; 2] {
         let Some(image) = &self.map.pixels else {

@@ -33,7 +33,7 @@ impl NoiseRow {
     pub(super) fn start(&mut self, warps: impl Iterator<Item = usize>, sheet: &SheetGeometry) {
         self.warps.clear();
         self.warps.extend(warps);
-        let x_mm = |&i: &usize| (i as f64 + 0.5) * sheet.pitch_x_mm;
+        let x_mm = |&i: &usize| sheet.place_mm(i, 0)[0];
         self.x_mm.clear();
         self.x_mm.extend(self.warps.iter().map(x_mm));
     }

@@ -237,18 +237,17 @@ impl LoopsInputs {
         face: Face,
         length: f64,
     ) -> LoopInput {
-        let hash = loop_hash(self.turbulence.seed, i as u32, j as u32, face);
-        let place_mm = [
-            (i as f64 + 0.5) * self.sheet.pitch_x_mm,
-            (j as f64 + 0.5) * self.sheet.pitch_y_mm,
-        ];
+        let original = self.sheet.original(i, j);
+        let [warp, weft] = original.map(|index| index as u32);
+        let hash = loop_hash(self.turbulence.seed, warp, weft, face);
+        let place_mm = self.sheet.place_mm(i, j);
         LoopInput {
             face,
             root_heights: self.roots.at(i, j, face),
             length,
             turbulence: turbulence.at(i, j).map(f64::from),
             jitter: Jitter::new(hash),
-            finish: self.finishing.of_loop(hash, face, [i, j], place_mm),
+            finish: self.finishing.of_loop(hash, face, original, place_mm),
         }
     }
 

@@ -175,6 +175,7 @@ impl SeenCells {
             wefts,
             pitch_x_mm,
             pitch_y_mm,
+            ..
         } = self.reach.sheet;
         let cells = f64::from([warps, wefts][axis]) + 2.0 * self.margin[axis] as f64;
         cells * [pitch_x_mm, pitch_y_mm][axis]

@@ -109,7 +109,7 @@ impl TurbulenceField {
                 return;
             }
             row.start(cells.row(j).filter(|&i| !known.contains(i, j)), sheet);
-            let y_mm = (j as f64 + 0.5) * sheet.pitch_y_mm;
+            let [_, y_mm] = sheet.place_mm(0, j);
             noise.fill(row, y_mm, values);
         });
         if !cancel.is_cancelled() {

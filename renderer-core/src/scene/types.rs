@@ -6,7 +6,7 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
-use super::{FormMesh, Loops};
+use super::{Excerpt, FormMesh, Loops};
 use crate::design::{
     EnvironmentImage, EnvironmentLight, Interpolation, Phase, PileKind, SkeletonHeight,
     SkeletonShading,
@@ -109,6 +109,8 @@ pub struct SheetGeometry {
     pub pitch_x_mm: f64,
     /// Size of a cell along y, mm.
     pub pitch_y_mm: f64,
+    /// Which part of a larger cloth this is; `None` for a whole one.
+    pub excerpt: Option<Excerpt>,
 }
 
 impl SheetGeometry {

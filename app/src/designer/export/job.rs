@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use egui::Context;
 use renderer_core::design::{CameraDesign, Design};
 use renderer_core::image::{Background, Display};
-use renderer_core::render::{Camera, RenderError, Settings};
+use renderer_core::render::{Camera, Extent, RenderError, Settings, Sight};
 use renderer_core::scene::{Cancel, CompileError, Compiler};
 
 use crate::backend::BackendChoice;
@@ -104,9 +104,16 @@ impl Order {
         files::check_writable(&self.path).map_err(|error| text(&error))?;
         let is_given_up = || cancel.load(Ordering::Relaxed);
         let mut compiler = Compiler::default();
-        let compiled = compiler.compile_unless_cancelled(&self.design, &Cancel::when(&is_given_up));
-        let scene = match compiled {
-            Ok(scene) => scene,
+        let made = Sight::new(
+            &mut compiler,
+            &self.design,
+            &Camera::from_design(&self.camera),
+            self.size,
+            Extent::FINAL,
+            &Cancel::when(&is_given_up),
+        );
+        let Sight { scene, camera } = match made {
+            Ok(sight) => sight,
             Err(CompileError::Cancelled) => return Ok(Outcome::Cancelled),
             Err(error) => return Err(text(&error)),
         };
@@ -124,7 +131,7 @@ impl Order {
         let background = Background(self.design.light.background.linear());
         let order = picture_file::Order {
             scene,
-            camera: Camera::from_design(&self.camera),
+            camera,
             size: self.size,
             crop: [0, 0, self.size[0], self.size[1]],
             settings: Settings {

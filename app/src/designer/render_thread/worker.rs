@@ -6,8 +6,10 @@ use std::time::{Duration, Instant};
 
 use renderer_core::design::Design;
 use renderer_core::image::Display;
-use renderer_core::render::{Camera, Progress, RenderError, RenderRequest};
-use renderer_core::scene::{self, Cancel, CompileError, Compiler, Scene, SeenScene};
+use renderer_core::render::{
+    Camera, Extent, Progress, RenderError, RenderRequest, Sight, excerpt_for,
+};
+use renderer_core::scene::{self, Cancel, CompileError, Compiler, Excerpt, Scene, SeenScene};
 
 use super::fallback::{Fallback, Remedy};
 use super::first_look;
@@ -159,7 +161,7 @@ impl<'a> Worker<'a> {
             return Ok(());
         };
         let was_glimpsed = self.glimpse(&wish)?;
-        let scene = self.scene_of(&wish.design, was_glimpsed)?;
+        let Sight { scene, camera } = self.sight_of(&wish, was_glimpsed)?;
         if self.fallback.choose(wish.choice, wish.attempt) {
             self.renderer = None;
             self.stand_in = None;
@@ -169,7 +171,7 @@ impl<'a> Worker<'a> {
         let size = self.fallback.fitted(wish.size, largest_side);
         let request = RenderRequest {
             scene,
-            camera: Camera::from_design(&wish.camera),
+            camera,
             size,
             crop: [0, 0, size[0], size[1]],
             settings: wish.light.settings(&wish.design),
@@ -249,6 +251,7 @@ impl<'a> Worker<'a> {
         };
         if !is_edit
             || self.loops_took < first_look::WORTH_IT
+            || Excerpt::is_needed(&wish.design)
             || !wish.design.faults().is_empty()
             || self.compiler.has_loops_of(&wish.design)
         {
@@ -281,16 +284,20 @@ impl<'a> Worker<'a> {
         Ok(Some(Job::glance(&whole, look.divisor)))
     }
 
-    /// The scene of a design; given up for a newer wish sooner where something of it could be seen already.
-    fn scene_of(
-        &mut self,
-        design: &Arc<Design>,
-        was_glimpsed: bool,
-    ) -> Result<Arc<Scene>, CompileError> {
+    /// The scene that a wish's picture needs, with its camera; given up for a newer wish sooner where something of it could be
+    /// seen already.
+    fn sight_of(&mut self, wish: &Wish, was_glimpsed: bool) -> Result<Sight, CompileError> {
+        let design = &wish.design;
+        let camera = Camera::from_design(&wish.camera);
+        let last = self.compiled.as_ref();
+        let last = last.and_then(|(_, scene)| scene.sheet.excerpt);
+        let extent = Extent::LIVE;
+        let excerpt = excerpt_for(design, &camera, wish.size, extent, last.as_ref());
         if let Some((compiled, scene)) = &self.compiled
             && Arc::ptr_eq(compiled, design)
+            && scene.sheet.excerpt == excerpt
         {
-            return Ok(Arc::clone(scene));
+            return Ok(Sight::of(Arc::clone(scene), design, &camera));
         }
         let mut before = Activity::Idle;
         self.publish(|shown| {
@@ -306,7 +313,7 @@ impl<'a> Worker<'a> {
         };
         let compiler = &mut self.compiler;
         let compiled = workers::with_all(|| {
-            compiler.compile_unless_cancelled(design, &Cancel::when(&is_given_up))
+            compiler.compile_excerpt(design, excerpt, &Cancel::when(&is_given_up))
         });
         if compiled == Err(CompileError::Cancelled) && !was_glimpsed {
             self.giving_up.get_or_insert(start);
@@ -326,7 +333,7 @@ impl<'a> Worker<'a> {
             shown.scene = Some(Arc::clone(&scene));
         });
         self.compiled = Some((Arc::clone(design), Arc::clone(&scene)));
-        Ok(scene)
+        Ok(Sight::of(scene, design, &camera))
     }
 
     /// Makes the backend unless it is there, and tells the largest side of its pictures.

@@ -1,10 +1,12 @@
 //! What lies under the pointer: the cell of the weave, the loop that stands in it, its yarn's colour.
 
+use std::sync::Arc;
+
 use egui::Color32;
 use glam::DVec2;
 use renderer_core::design::Design;
 use renderer_core::geometry::Ray;
-use renderer_core::render::Camera;
+use renderer_core::render::{Camera, Sight};
 use renderer_core::scene::{ChartOnSheet, Face, Scene};
 
 /// A cell under the pointer.
@@ -23,11 +25,12 @@ impl Readout {
     /// side that is seen, since it is loops one points at, not the ground below them.
     pub fn new(
         design: &Design,
-        scene: &Scene,
+        scene: &Arc<Scene>,
         camera: &Camera,
         pixel: DVec2,
         size: [u32; 2],
     ) -> Option<Self> {
+        let Sight { camera, .. } = Sight::of(Arc::clone(scene), design, camera);
         let (origin, direction) = camera.ray(pixel, size);
         let z_range = scene.loops.z_range_mm.map(f64::from);
         let heights = [z_range[1].max(0.0) / 2.0, z_range[0].min(0.0) / 2.0];
@@ -51,12 +54,14 @@ impl Readout {
         let j = cell(at.y, sheet.pitch_y_mm, sheet.wefts)?;
         let face = if is_front { Face::Front } else { Face::Back };
         // The design may already be another than that of the scene in the picture.
-        let is_same = (design.sheet.warps, design.sheet.wefts) == (sheet.warps, sheet.wefts);
-        let chart = ChartOnSheet::new(&design.chart, sheet.warps, sheet.wefts);
+        let [warps, wefts] = sheet.whole_cells();
+        let is_same = [design.sheet.warps, design.sheet.wefts] == [warps, wefts];
+        let chart = ChartOnSheet::new(&design.chart, warps, wefts);
+        let [warp, weft] = sheet.original(i as usize, j as usize);
         Some(Self {
-            cell: [i, j],
+            cell: [warp, weft].map(|index| index as u32),
             loop_mm: loop_mm(scene, [i, j], face),
-            colour: chart.colour(i as usize, j as usize).filter(|_| is_same),
+            colour: chart.colour(warp, weft).filter(|_| is_same),
         })
     }
 

@@ -1,0 +1,192 @@
+//! Excerpts: the part of a large cloth that one picture shows, made as fine as the picture shows it. So cloth has no end, and a
+//! scene is as large as its picture, not as the cloth.
+//!
+//! A cloth seen from far away is drawn *halved*, `n` times: with as many loops fewer along each side, each the copy of a real one
+//! out of its 2ⁿ × 2ⁿ neighbours, and 2ⁿ times as large in every direction. Light goes through pile that is grown evenly as it
+//! goes through the pile itself, since extinction times length stays what it is: the mean radiance of a pixel that covers many
+//! loops is the same from every side and under every light, which it is not if densities are averaged (what passes between two
+//! loops does not pass through their mean). What changes is the texture below a pixel, and the noise that is left of it.
+//! In place of growing the loops, the world shrinks: the excerpt's scene has the cloth's own loops, volumes and ground weave, and
+//! its camera stands 2ⁿ times as near.
+//!
+//! Level cloth only. Lengths in mm.
+
+use glam::DVec3;
+
+use super::SheetGeometry;
+use crate::design::{Design, FormKind, Pattern};
+use crate::render::{Camera, Projection};
+use crate::sampling::hash_with;
+
+/// Shortest waves of the texture of halved cloth, in its loops, that keep their size in the cloth: some pixels.
+const SEEN_WAVE: f64 = 16.0;
+
+/// A rectangle of the cells of a cloth that is halved some times.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Excerpt {
+    /// Warps and wefts of the whole cloth, before it is halved.
+    pub whole: [u32; 2],
+    /// How many times it is halved.
+    pub halvings: u32,
+    /// First warp and weft of the excerpt, counted in the halved cloth.
+    pub first: [u32; 2],
+    /// How many warps and wefts it has.
+    pub cells: [u32; 2],
+}
+
+impl Excerpt {
+    /// Cells that a cloth may have to be made whole, so that no camera asks for another scene.
+    pub const WHOLE_CELLS: f64 = 4e6;
+
+    /// Whether cloth is made in excerpts.
+    pub fn is_needed(design: &Design) -> bool {
+        let [warps, wefts] = [design.sheet.warps, design.sheet.wefts].map(f64::from);
+        warps * wefts > Self::WHOLE_CELLS
+            && design.form.kind == FormKind::Flat
+            && !design.turbulence.is_filtered()
+    }
+
+    /// Warps and wefts of a cloth after some halvings; what cannot be halved is rounded up.
+    pub fn halved(whole: [u32; 2], halvings: u32) -> [u32; 2] {
+        whole.map(|cells| cells.div_ceil(1 << halvings))
+    }
+
+    /// Size of the excerpt's world in that of the cloth: 2⁻ⁿ.
+    pub fn scale(&self) -> f64 {
+        0.5_f64.powi(self.halvings as i32)
+    }
+
+    /// Number of cells.
+    pub fn len(&self) -> u64 {
+        u64::from(self.cells[0]) * u64::from(self.cells[1])
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Whether it has all cells of another, as often halved.
+    pub fn holds(&self, other: &Self) -> bool {
+        (self.whole, self.halvings) == (other.whole, other.halvings)
+            && [0, 1].iter().all(|&axis| {
+                self.first[axis] <= other.first[axis]
+                    && self.first[axis] + self.cells[axis] >= other.first[axis] + other.cells[axis]
+            })
+    }
+
+    /// The cell of the whole cloth whose loops stand in cell (i, j) of the excerpt: one of those that it covers, by chance, so
+    /// that colours, lengths and kinds keep their shares.
+    pub fn original(&self, i: usize, j: usize) -> [usize; 2] {
+        let halved = [self.first[0] as usize + i, self.first[1] as usize + j];
+        let side = 1_u32 << self.halvings;
+        let hash = hash_with(
+            hash_with(hash_with(self.halvings, 0xe7), halved[0] as u32),
+            halved[1] as u32,
+        );
+        let within = [0, 1].map(|axis| (hash_with(hash, axis) & (side - 1)) as usize);
+        [0, 1].map(|axis| {
+            let cell = halved[axis] * side as usize + within[axis];
+            cell.min(self.whole[axis] as usize - 1)
+        })
+    }
+
+    /// The design of the excerpt: what is told of cloth, and not of yarn, shrinks with the world. Chart and nap map stay
+    /// those of the whole cloth: their cells are [`Self::original`]. Area lights are moved by [`Self::excerpt_from_world`].
+    pub(super) fn design(&self, whole: &Design) -> Design {
+        let mut design = whole.clone();
+        [design.sheet.warps, design.sheet.wefts] = self.cells;
+        design.weave.pattern = self.pattern(&whole.weave.pattern);
+        design.turbulence.frequency =
+            1.0 / self.texture_mm(whole, 1.0 / whole.turbulence.frequency);
+        design.finish.clump_size = self.texture_mm(whole, whole.finish.clump_size);
+        design
+    }
+
+    /// How long waves of the cloth's texture are that have this length in the cloth, mm. Waves that can be seen keep their size in
+    /// the cloth. Shorter ones keep theirs in loops: how alike neighbours lie decides how bright pile is (a tenth, where waves of
+    /// five loops shrink to two).
+    fn texture_mm(&self, design: &Design, mm: f64) -> f64 {
+        let pitch = design.sheet.pitch_x().max(design.sheet.pitch_y());
+        (mm * self.scale()).max(mm.min(SEEN_WAVE * pitch))
+    }
+
+    /// The stitch pattern as it begins at the excerpt's first cell. Repeats that a cell of the halved cloth covers are drawn as
+    /// large as the loops; of larger ones every 2ⁿth stitch is left, so that what the pattern draws keeps its size.
+    fn pattern(&self, whole: &Pattern) -> Pattern {
+        let side = 1_usize << self.halvings;
+        let period = |repeat: usize| {
+            if repeat <= 2 * side {
+                (repeat, 1)
+            } else {
+                (repeat / common_divisor(repeat, side), side)
+            }
+        };
+        let [(cols, across), (rows, along)] = [whole.cols(), whole.rows()].map(period);
+        let stitch = |index: usize, axis: usize, step: usize| {
+            ((index + self.first[axis] as usize) * step + step / 2) as i64
+        };
+        Pattern::from_fn(cols, rows, |col, row| {
+            whole.at(stitch(col, 0, across), stitch(row, 1, along))
+        })
+    }
+
+    /// Where the excerpt's world has a point of the cloth's: a similarity that keeps the height `still_mm`.
+    pub fn excerpt_from_world(&self, design: &Design, point: DVec3, still_mm: f64) -> DVec3 {
+        let pitch = [design.sheet.pitch_x(), design.sheet.pitch_y()];
+        let of_axis = |axis: usize| {
+            let from_low = point[axis] + 0.5 * f64::from(self.whole[axis]) * pitch[axis];
+            let middle = f64::from(self.first[axis]) + 0.5 * f64::from(self.cells[axis]);
+            from_low * self.scale() - middle * pitch[axis]
+        };
+        let z = (point.z - still_mm) * self.scale() + still_mm;
+        DVec3::new(of_axis(0), of_axis(1), z)
+    }
+
+    /// The camera that sees in the excerpt's scene what `camera` sees of the cloth. The middle of the pile on its side of the cloth
+    /// stays where it is in the picture.
+    pub fn camera(&self, design: &Design, camera: &Camera) -> Camera {
+        let middle_mm = 0.5 * design.length.longest().min(design.pile.max_length);
+        let eye = self.excerpt_from_world(design, camera.eye, middle_mm.copysign(camera.eye.z));
+        let projection = match camera.projection {
+            Projection::Orthographic { height_mm } => Projection::Orthographic {
+                height_mm: height_mm * self.scale(),
+            },
+            perspective @ Projection::Perspective { .. } => perspective,
+        };
+        Camera {
+            eye,
+            projection,
+            ..*camera
+        }
+    }
+}
+
+fn common_divisor(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { common_divisor(b, a % b) }
+}
+
+impl SheetGeometry {
+    /// Warps and wefts of the cloth that this sheet is an excerpt of, or its own.
+    pub fn whole_cells(&self) -> [u32; 2] {
+        self.excerpt
+            .map_or([self.warps, self.wefts], |excerpt| excerpt.whole)
+    }
+
+    /// The cell of the whole cloth whose loops stand in a cell.
+    pub fn original(&self, i: usize, j: usize) -> [usize; 2] {
+        match &self.excerpt {
+            Some(excerpt) => excerpt.original(i, j),
+            None => [i, j],
+        }
+    }
+
+    /// From the low corner of the cloth, halved as this excerpt is, to the middle of a cell, mm.
+    pub(super) fn place_mm(&self, i: usize, j: usize) -> [f64; 2] {
+        let [x, y] = self.excerpt.map_or([0; 2], |excerpt| excerpt.first);
+        [
+            (f64::from(x) + i as f64 + 0.5) * self.pitch_x_mm,
+            (f64::from(y) + j as f64 + 0.5) * self.pitch_y_mm,
+        ]
+    }
+}

@@ -2,7 +2,8 @@
 //!
 //! The settings take turns twice, with different seeds, so that a disturbance of the machine hits one row and not one
 //! method, and so that two independent pictures of each tell its bias. A turn renders one picture on and on and looks at it
-//! at every power of two of samples; looking is not part of the time.
+//! at every power of two of samples; looking is not part of the time. A turn up to error targets renders one picture after
+//! another instead, each from nothing, since tiles that have ended for one target are not drawn on for the next.
 
 use std::cmp::Ordering;
 use std::path::Path;

@@ -85,7 +85,7 @@ impl Setting {
             // A yardstick, and no choice.
             _ if self.method == Method::SixFace => 0.5,
             // No error is known before there are sixteen samples.
-            _ if self.to_error => 4.0,
+            _ if self.to_error => 8.0,
             _ if self.without.is_some() => 1.0,
             _ if self.cached_shadows > 0 => 2.0,
             (Sampler::Owen, true) => 4.0,

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use renderer_core::design::{Method, Quality, Sampler};
 use renderer_core::image::Picture;
-use renderer_core::render::{BackendKind, Counters};
+use renderer_core::render::{BackendKind, Counters, Skip};
 use tempfile::TempDir;
 use towel_designer::cli::bench::measure::{Character, Findings, Row};
 use towel_designer::cli::bench::pareto::{Point, cheapest, domination, front};
@@ -194,9 +194,33 @@ fn a_tiny_bench_writes_table_plots_and_summary() {
         assert!(found, "without {skip}");
     }
 
+    // Up to error targets with tiles that end early and without, from the same targets on.
+    let sides = ["", "converged-tiles"].map(|skip| {
+        let is_side = |row: &&Vec<String>| {
+            !row[column("error wanted")].is_empty() && row[column("without skip")] == skip
+        };
+        let of_plain = rows.iter().filter(|row| row[0] == "plain");
+        let side: Vec<[f64; 2]> = of_plain
+            .filter(is_side)
+            .map(|row| {
+                ["error wanted", "estimated noise"].map(|name| row[column(name)].parse().unwrap())
+            })
+            .collect();
+        for [wanted, estimate] in &side {
+            assert!(estimate <= wanted, "{skip}: {estimate} for {wanted}");
+        }
+        for pair in side.windows(2) {
+            // Six digits are written of each.
+            assert!((pair[0][0] / pair[1][0] - 2_f64.sqrt()).abs() < 1e-4);
+        }
+        side
+    });
+    assert_eq!(sides[0][0][0], sides[1][0][0], "the same targets");
+
     let printed = String::from_utf8(output.stdout).unwrap();
     assert_eq!(printed, fs::read_to_string(out.join("summary.md")).unwrap());
     for part in [
+        "| error target | time with `converged-tiles` | without |",
         "## plain: light that scatters once",
         "up to 3 times",
         "| 0.05 |",
@@ -442,6 +466,70 @@ fn the_plan_has_every_method_and_more_scatterings_where_the_preset_has() {
     assert!(share(settings, 7.0) > 7.0 / settings.len() as f64);
 }
 
+#[test]
+fn tiles_that_end_early_are_held_against_none_at_the_same_error_targets() {
+    let quality = Quality::default();
+    let skips = [Skip::ConvergedTiles, Skip::OpaqueRays];
+    let of = |skips| targets(&quality, &[quality.method], skips).remove(0);
+    let (plain, target) = (of(&[]), of(&skips));
+    let new = &target.settings[plain.settings.len()..];
+    let kinds: Vec<_> = new.iter().map(|s| (s.without, s.to_error)).collect();
+    let converged = Some(Skip::ConvergedTiles);
+    assert_eq!(
+        kinds,
+        [
+            (None, true),
+            (converged, true),
+            (Some(Skip::OpaqueRays), false)
+        ]
+    );
+    assert!(new.iter().all(|setting| !setting.is_choice()));
+
+    let (with, without) = (plain.settings.len(), plain.settings.len() + 1);
+    let rows = [
+        (0, 16, 1.6, 0.2),
+        (with, 32, 2.0, 0.15),
+        (with, 64, 3.0, 0.11),
+        (without, 32, 3.0, 0.14),
+        (without, 64, 6.0, 0.1),
+    ];
+    let mut findings = findings(&rows, 0.01);
+    for (row, wanted) in findings.rows.iter_mut().skip(1).zip([0.2, 0.1, 0.2, 0.1]) {
+        row.wanted = Some(wanted);
+    }
+    findings.characters = vec![findings.characters[0]; target.settings.len()];
+    findings.target = target;
+    let conditions = conditions();
+    let plot = Plot::of_skips("made-up", &conditions, &findings).unwrap();
+    let shown = texts(&plot.svg().unwrap());
+    let shows = |wanted: &str| shown.iter().any(|(.., text)| text == wanted);
+    let method = quality.method.name();
+    assert!(shows(&format!("{method}, up to an error")) && shows("without converged-tiles"));
+    assert!(shows("Squares: error targets, each the"), "{shown:?}");
+    assert!(!shows("without opaque-rays"), "there is no row of it");
+    let choices = Plot::new("made-up", &conditions, &findings).svg().unwrap();
+    assert!(!choices.contains("up to an error") && !choices.contains("Squares"));
+
+    let measured = Measured {
+        name: "made-up".into(),
+        findings: vec![findings],
+        ..Measured::default()
+    };
+    let text = summary::write(&conditions, std::slice::from_ref(&measured));
+    for part in [
+        "| 0.2000 | 2.0 s | 3.0 s | 1.50 | 0.150 | 0.140 | 32 | 32 |",
+        "| 0.1000 | 3.0 s | 6.0 s | 2.00 | 0.110 | 0.100 | 64 | 64 |",
+        // They are no choice of users beside settings whose pixels all have as many samples.
+        "| 0.1 | none in this time |",
+    ] {
+        assert!(text.contains(part), "{part}\n{text}");
+    }
+    let (header, rows) = parse_csv(&csv::write(&conditions, &[measured]));
+    let wanted = header.iter().position(|h| h == "error wanted [relRMSE]");
+    let wanted: Vec<_> = rows.iter().map(|row| &*row[wanted.unwrap()]).collect();
+    assert_eq!(wanted, ["", "0.2", "0.1", "0.2", "0.1"]);
+}
+
 /// Findings with one row for each (setting, samples, seconds, error).
 fn findings(list: &[(usize, u32, f64, f64)], noise: f64) -> Findings {
     let quality = Quality {
@@ -458,6 +546,7 @@ fn findings(list: &[(usize, u32, f64, f64)], noise: f64) -> Findings {
         Row {
             setting,
             samples,
+            wanted: None,
             spent: spent(seconds),
             measured,
             error: known(measured, noise),

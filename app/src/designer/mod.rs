@@ -61,7 +61,7 @@ pub use document::Document;
 pub use folders::Folders;
 pub use live_light::{CACHED_SHADOWS, LiveLight};
 pub use render_thread::{Activity, Hurry, Shown, Wish};
-pub use renderer::{MakeBackend, Shot};
+pub use renderer::{MakeBackend, Shot, noise_left, softened};
 pub use reopen::{Shelf, run};
 pub use widgets::{Icon, label_of, shapes};
 

@@ -71,6 +71,11 @@ impl Renderer {
             Self::Within(backend) => &mut **backend,
         }
     }
+
+    /// Whether its pictures are mixed with their neighbouring pixels where that is asked for.
+    pub fn softens(&self) -> bool {
+        matches!(self, Self::Apart(_))
+    }
 }
 
 /// The last picture, kept so that it can be shown with another exposure.
@@ -131,9 +136,16 @@ impl Developer {
     }
 }
 
+/// The variance that noise keeps in a picture mixed by so much with the means of its 3 × 3 neighbouring pixels, as a share of
+/// what it was, where the noise of every pixel is its own.
+pub fn noise_left(softness: f32) -> f32 {
+    let each = softness / 9.0;
+    (1.0 - softness + each).powi(2) + 8.0 * each.powi(2)
+}
+
 /// A picture mixed with the means of its 3 × 3 neighbouring pixels, in linear light; at softness 1 these alone. Edges repeat
 /// their last pixels.
-fn softened(picture: &Picture, softness: f32) -> Picture {
+pub fn softened(picture: &Picture, softness: f32) -> Picture {
     let [width, height] = picture.size.map(|side| side as usize);
     let row = |y: usize| &picture.pixels[y * width..(y + 1) * width];
     let mut pixels = vec![[0.0; 4]; picture.pixels.len()];

@@ -155,10 +155,14 @@ fn device(ui: &mut Ui, viewport: &Viewport, commands: &mut Vec<Command>) {
     };
     let button = ui.menu_button(name, |ui| backends(ui, viewport.choice(), commands));
     let device = shown.device.as_ref().map_or("", |(_, device)| device);
-    let why = if shown.stands_in {
-        "\nThe GPU was not ready for this picture: the processor draws the same meanwhile."
-    } else {
-        ""
+    let why = match (shown.stands_in, shown.progress.done) {
+        (false, _) => "",
+        (true, false) => {
+            "\nThe GPU was not ready for this picture: the processor draws the same meanwhile."
+        }
+        (true, true) => {
+            "\nThe processor had this picture done before the GPU was ready; the next is the GPU's."
+        }
     };
     let tooltip = format!(
         "{device}{why}\nChosen: {}. Click to render with another backend.",

@@ -55,6 +55,7 @@ pub(super) struct Solid {
 
 impl Solid {
     /// The volume around a patch.
+    #[inline(always)]
     pub(super) fn new(patch: &LoopPatch, base_width_mm: f32, thickness_mm: f32) -> Self {
         let corners = patch.corners(base_width_mm);
         let [p0, p1, p2, p3] = corners;
@@ -83,6 +84,7 @@ impl Solid {
     }
 
     /// Corners of the smallest box that holds it.
+    #[inline(always)]
     pub(super) fn bounds(&self) -> [DVec3; 2] {
         let [p0, p1, p2, p3] = self.corners;
         let half = self.half_thickness * self.normal.abs();
@@ -93,6 +95,7 @@ impl Solid {
     }
 
     /// Parts that together hold it.
+    #[inline(always)]
     pub(super) fn parts(&self) -> impl Iterator<Item = Part> {
         let [alpha, beta, gamma] = self.decomposed;
         let bulge = gamma.abs() / (8.0 * self.half_thickness * BULGE);
@@ -123,6 +126,7 @@ impl Solid {
     }
 
     /// Its patch seen from above, prepared for cells of half size `cell`.
+    #[inline(always)]
     pub(super) fn footprint(&self, cell: [f64; 2]) -> Footprint {
         Footprint::new(self, cell)
     }
@@ -137,6 +141,7 @@ pub(super) struct Part {
 
 impl Part {
     /// Largest distance from the centre along x, y and z.
+    #[inline(always)]
     pub(super) fn half_size(&self) -> DVec3 {
         let [p, q, r] = self.edges.map(DVec3::abs);
         p + q + r
@@ -144,15 +149,18 @@ impl Part {
 }
 
 /// `max` and `min` that are one instruction each, for numbers that are not NaN.
+#[inline(always)]
 pub(super) fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
+#[inline(always)]
 pub(super) fn smaller(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
 /// What rounding may do over cells of half size `cell` to something that reaches as far as `half` from its centre, mm.
+#[inline(always)]
 fn rounding(half: DVec3, cell: [f64; 2]) -> f32 {
     let largest = half.max_element() + cell[0].max(cell[1]);
     (2.0 * ROUNDING * largest) as f32
@@ -173,7 +181,7 @@ const PLANES: usize = 8;
 
 impl PartOverCells {
     /// Prepares a part for cells of half size `cell`.
-    #[inline]
+    #[inline(always)]
     pub(super) fn new(part: &Part, cell: [f64; 2]) -> Self {
         let rounding = rounding(part.half_size(), cell);
         let [p, q, r] = part.edges.map(DVec3::as_vec3);
@@ -222,7 +230,7 @@ impl PartOverCells {
 
     /// Lowest and highest point of the part, from its centre, over the cell whose centre is at (x, y) from it, a cell that
     /// the part's box reaches; `None` where the part does not.
-    #[inline]
+    #[inline(always)]
     pub(super) fn z_range(&self, [x, y]: [f32; 2]) -> Option<[f32; 2]> {
         let apart = self
             .outline
@@ -230,19 +238,23 @@ impl PartOverCells {
         if apart[0] | apart[1] | apart[2] {
             return None;
         }
-        const LANES: usize = 4;
-        let mut lows = [f32::NEG_INFINITY; LANES];
-        let mut highs = [f32::INFINITY; LANES];
-        for first in (0..PLANES).step_by(LANES) {
-            for lane in 0..LANES {
-                let plane = first + lane;
-                let middle = self.lambda[plane] * x + self.mu[plane] * y;
-                lows[lane] = larger(middle - self.k[plane], lows[lane]);
-                highs[lane] = smaller(middle + self.k[plane], highs[lane]);
-            }
+        let mut lows = [0.0; PLANES];
+        let mut highs = [0.0; PLANES];
+        for plane in 0..PLANES {
+            let middle = self.lambda[plane] * x + self.mu[plane] * y;
+            lows[plane] = middle - self.k[plane];
+            highs[plane] = middle + self.k[plane];
         }
-        let low = larger(larger(lows[0], lows[1]), larger(lows[2], lows[3]));
-        let high = smaller(smaller(highs[0], highs[1]), smaller(highs[2], highs[3]));
+        // Halves with halves, so that several numbers are compared at once.
+        let mut half = PLANES / 2;
+        while half > 0 {
+            for plane in 0..half {
+                lows[plane] = larger(lows[plane], lows[plane + half]);
+                highs[plane] = smaller(highs[plane], highs[plane + half]);
+            }
+            half /= 2;
+        }
+        let (low, high) = (lows[0], highs[0]);
         // At a touching corner rounding may cross the two.
         Some([smaller(low, high), larger(low, high)])
     }
@@ -274,6 +286,7 @@ const PAIRS: [[usize; 2]; LINES] = [
 const LINES: usize = 8;
 
 impl Footprint {
+    #[inline(always)]
     fn new(solid: &Solid, cell: [f64; 2]) -> Self {
         let from_middle = solid.corners.map(|corner| corner - solid.middle);
         let half_size = from_middle
@@ -303,7 +316,7 @@ impl Footprint {
     }
 
     /// Whether the patch may reach the cell whose centre is at (x, y) from the patch's middle.
-    #[inline]
+    #[inline(always)]
     pub(super) fn reaches(&self, [x, y]: [f32; 2]) -> bool {
         let apart: [bool; LINES] = std::array::from_fn(|line| {
             let place = self.normal_x[line] * x + self.normal_y[line] * y;

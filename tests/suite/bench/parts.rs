@@ -15,7 +15,7 @@ use towel_designer::cli::bench::growth::grown;
 use towel_designer::cli::bench::parts::{Part, chosen, share_of_first};
 use towel_designer::cli::bench::plot::{Bar, Bars, Curve, Curves, Figure, Limit};
 use towel_designer::cli::bench::skips::{
-    Difference, Switch, counter_of, drawing_skips, switch_of, verdict,
+    Difference, Switch, counter_of, curve_skips, drawing_skips, switch_of, verdict,
 };
 use towel_designer::cli::bench::{Measured, first_picture, summary};
 use towel_designer::clock::Spent;
@@ -288,6 +288,13 @@ fn skips_have_their_switch_where_the_bench_says() {
     assert_eq!(plain, [Skip::BackgroundTiles]);
     let gpu = drawing_skips(BackendKind::Gpu, Method::Tracked);
     assert!(gpu.contains(&Skip::UnusedShading) && !gpu.contains(&Skip::RepeatedTests));
+    // Curves are of these, and of what ends tiles at an error, whatever draws.
+    for kind in [BackendKind::Cpu, BackendKind::Gpu, BackendKind::Reference] {
+        let mut curves = curve_skips(kind, Method::Single);
+        curves.retain(|skip| *skip != Skip::ConvergedTiles);
+        assert_eq!(curves, drawing_skips(kind, Method::Single));
+        assert!(curve_skips(kind, Method::Single).len() > curves.len());
+    }
     let compiled = switch_of(Skip::UnplantedLoops, BackendKind::Gpu, Method::Single);
     assert_eq!(compiled, Switch::Compiling);
     // Every skip but two can be told by a number.

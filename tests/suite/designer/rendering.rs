@@ -6,8 +6,9 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 use renderer_core::render::MAX_SIDE;
+use renderer_core::sampling::{hash_with, unit_float};
 use renderer_core::scene::{Cancel, CompileError, Compiler};
-use towel_designer::designer::{Activity, MakeBackend};
+use towel_designer::designer::{Activity, MakeBackend, noise_left, softened};
 
 use super::*;
 
@@ -41,6 +42,10 @@ struct Script {
     drew: [AtomicU32; 2],
     /// Pictures begun: their sizes, and how many loops their scenes have.
     begun: Mutex<Vec<([u32; 2], u64)>>,
+    /// Samples that GPUs and the processor get as far as, one in each slice; `None`: all at once.
+    limits: Mutex<Option<[u32; 2]>>,
+    /// Pictures taken: whether of the processor, their sizes and samples.
+    taken: Mutex<Vec<(bool, [u32; 2], u32)>>,
 }
 
 impl Script {
@@ -60,6 +65,8 @@ impl Script {
                 script: Arc::clone(&script),
                 on_gpu,
                 flat,
+                request: None,
+                samples: 0,
             }))
         })
     }
@@ -73,6 +80,8 @@ struct Scripted {
     script: Arc<Script>,
     on_gpu: bool,
     flat: FlatBackend,
+    request: Option<RenderRequest>,
+    samples: u32,
 }
 
 impl Scripted {
@@ -104,6 +113,13 @@ impl Backend for Scripted {
         if self.on_gpu && side > 0 && request.size.iter().any(|&s| s > side) {
             return Err(RenderError::OutOfMemory("no room for the sums".into()));
         }
+        let mut before = self.request.replace(request.clone());
+        if let Some(before) = &mut before {
+            before.settings.samples = request.settings.samples;
+        }
+        if before.as_ref() != Some(request) {
+            self.samples = 0;
+        }
         self.flat.begin(request)
     }
 
@@ -117,6 +133,18 @@ impl Backend for Scripted {
             return Ok(Progress {
                 samples: 1,
                 ..Progress::default()
+            });
+        }
+        if let Some(limits) = *self.script.limits.lock().unwrap() {
+            let takes = if self.on_gpu { 0 } else { 2 };
+            std::thread::sleep(Duration::from_millis(takes));
+            let limit = limits[usize::from(!self.on_gpu)];
+            let wanted = self.flat.samples;
+            self.samples = self.samples.max((self.samples + 1).min(limit).min(wanted));
+            return Ok(Progress {
+                samples: self.samples,
+                error_estimate: None,
+                done: self.samples >= wanted,
             });
         }
         let act = self.script.acts.lock().unwrap().pop_front();
@@ -135,6 +163,9 @@ impl Backend for Scripted {
 
     fn picture(&mut self) -> Result<Picture, RenderError> {
         self.count();
+        let mut taken = self.script.taken.lock().unwrap();
+        taken.push((!self.on_gpu, self.flat.size, self.samples));
+        drop(taken);
         self.flat.picture()
     }
 
@@ -234,11 +265,7 @@ fn the_processor_draws_while_the_gpu_compiles() {
     wait(&mut harness, "the processor's picture", is_seen);
     let drew = || [0, 1].map(|which| script.drew[which].load(Ordering::SeqCst));
     assert_eq!((script.made(), drew()[0]), ([1, 1], 0));
-    let at_work = |harness: &Harness<'_, App>| {
-        let shown = harness.state().viewport().shown();
-        (shown.device.clone().map(|(kind, _)| kind), shown.stands_in)
-    };
-    assert_eq!(at_work(&harness), (Some(BackendKind::Cpu), true));
+    assert_eq!(shown_by(&harness), BY_PROCESSOR);
     // An edit does not wait either.
     type_number(&mut harness, "Warps", "60");
     let version = harness.state().viewport().shown().version;
@@ -250,7 +277,7 @@ fn the_processor_draws_while_the_gpu_compiles() {
     wait(&mut harness, "the GPU's picture", has_whole_picture);
     // The picture was there all the time: nothing is told of the change.
     assert!(drew()[0] > 0 && script.made() == [1, 1]);
-    assert_eq!(at_work(&harness), (Some(BackendKind::Gpu), false));
+    assert_eq!(shown_by(&harness), BY_GPU);
     let by_processor = drew()[1];
     type_number(&mut harness, "Warps", "50");
     wait(&mut harness, "the next picture", has_whole_picture);
@@ -264,18 +291,124 @@ fn a_picture_that_the_processor_finished_first_is_not_called_the_gpus() {
     script.is_late.store(true, Ordering::SeqCst);
     let mut harness = scripted(&script);
     wait(&mut harness, "the processor's picture", has_whole_picture);
-    let shown = harness.state().viewport().shown();
     assert_eq!(script.drew[0].load(Ordering::SeqCst), 0);
-    let kind = shown.device.as_ref().map(|(kind, _)| *kind);
-    assert_eq!((kind, shown.stands_in), (Some(BackendKind::Cpu), true));
-    // Once the GPU is ready, the next picture is its own.
+    assert_eq!(shown_by(&harness), BY_PROCESSOR);
+    // Once the GPU is ready nothing is drawn again. The next picture is its own.
     script.is_late.store(false, Ordering::SeqCst);
+    assert_rest(&mut harness, &script, "when the GPU gets ready");
     type_number(&mut harness, "Warps", "60");
     wait(&mut harness, "the GPU's picture", |h| {
-        let shown = h.state().viewport().shown();
-        let kind = shown.device.as_ref().map(|(kind, _)| *kind);
-        kind == Some(BackendKind::Gpu) && !shown.stands_in && has_whole_picture(h)
+        shown_by(h) == BY_GPU && has_whole_picture(h)
     });
+}
+
+/// Whether the newest picture has its full size and so many samples, or more.
+fn has_samples(harness: &Harness<'_, App>, samples: u32) -> bool {
+    let shown = harness.state().viewport().shown();
+    shown.image.is_some() && !shown.is_reduced && shown.progress.samples >= samples
+}
+
+/// Who draws what is shown, and whether that is only a stand-in.
+fn shown_by(harness: &Harness<'_, App>) -> (Option<BackendKind>, bool) {
+    let shown = harness.state().viewport().shown();
+    (
+        shown.device.as_ref().map(|(kind, _)| *kind),
+        shown.stands_in,
+    )
+}
+
+/// Samples of the pictures of full size that the window was given, one after the other, and whether by the processor.
+fn taken(harness: &Harness<'_, App>, script: &Script) -> Vec<(u32, bool)> {
+    let whole = harness.state().viewport().shown().size;
+    let taken = script.taken.lock().unwrap();
+    let whole = taken.iter().filter(|(_, size, _)| *size == whole);
+    whole.map(|&(by, _, samples)| (samples, by)).collect()
+}
+
+/// No picture has fewer samples than the one before, and the GPU's come last.
+#[track_caller]
+fn assert_no_step_back(taken: &[(u32, bool)]) {
+    let is_ordered = (taken.windows(2)).all(|two| two[0].0 <= two[1].0 && two[0].1 >= two[1].1);
+    assert!(is_ordered, "{taken:?}");
+}
+
+const BY_PROCESSOR: (Option<BackendKind>, bool) = (Some(BackendKind::Cpu), true);
+const BY_GPU: (Option<BackendKind>, bool) = (Some(BackendKind::Gpu), false);
+
+#[test]
+fn the_gpus_picture_is_shown_once_it_is_as_clear_as_the_processors() {
+    let script = Arc::new(Script::default());
+    script.is_late.store(true, Ordering::SeqCst);
+    *script.limits.lock().unwrap() = Some([10, u32::MAX]);
+    let mut harness = scripted(&script);
+    open_panel(&mut harness, "View & quality");
+    // So many that it has no end.
+    type_number(&mut harness, "Samples", "1000000");
+    wait(&mut harness, "the processor's picture", |h| {
+        has_samples(h, 20)
+    });
+    assert_eq!(shown_by(&harness), BY_PROCESSOR);
+    // The GPU begins, and what the processor had stays.
+    script.is_late.store(false, Ordering::SeqCst);
+    let gpu_drew = || script.drew[0].load(Ordering::SeqCst);
+    wait(&mut harness, "the GPU's first samples", |_| gpu_drew() > 40);
+    assert!(has_samples(&harness, 20) && shown_by(&harness) == BY_PROCESSOR);
+    let by_processor = script.drew[1].load(Ordering::SeqCst);
+    *script.limits.lock().unwrap() = Some([u32::MAX; 2]);
+    wait(&mut harness, "the GPU's picture", |h| shown_by(h) == BY_GPU);
+    assert_eq!(script.drew[1].load(Ordering::SeqCst), by_processor);
+    assert_no_step_back(&taken(&harness, &script));
+}
+
+#[test]
+fn mixing_neighbours_leaves_as_much_noise_as_is_reckoned_with() {
+    let size = [200, 200];
+    let noise = |index: u32| {
+        let value = unit_float(hash_with(7, index)) - 0.5;
+        [value, value, value, 1.0]
+    };
+    let picture = Picture {
+        size,
+        pixels: (0..size[0] * size[1]).map(noise).collect(),
+        aov: None,
+    };
+    let variance = |picture: &Picture| {
+        let squares = picture.pixels.iter().map(|p| f64::from(p[0]).powi(2));
+        squares.sum::<f64>() / picture.pixels.len() as f64
+    };
+    for softness in [0.0, 0.2, 0.6, 1.0] {
+        let left = variance(&softened(&picture, softness)) / variance(&picture);
+        let reckoned = f64::from(noise_left(softness));
+        // A variance of 40 000 numbers is known to 0.7 %, nine of which share each number; and there are edges.
+        assert!((left / reckoned - 1.0).abs() < 0.08, "{left} {reckoned}");
+    }
+    assert_eq!(noise_left(0.0), 1.0);
+}
+
+#[test]
+fn more_samples_than_the_processor_ended_with_are_the_gpus_without_a_step_back() {
+    let script = Arc::new(Script::default());
+    script.is_late.store(true, Ordering::SeqCst);
+    *script.limits.lock().unwrap() = Some([u32::MAX; 2]);
+    let mut harness = scripted(&script);
+    open_panel(&mut harness, "View & quality");
+    type_number(&mut harness, "Samples", "50");
+    wait(&mut harness, "the processor's picture", has_whole_picture);
+    assert_eq!(shown_by(&harness), BY_PROCESSOR);
+    script.is_late.store(false, Ordering::SeqCst);
+    // What it has is more than is asked for.
+    type_number(&mut harness, "Samples", "30");
+    wait(&mut harness, "the same picture", |h| {
+        design(h).quality.samples == 30 && has_whole_picture(h)
+    });
+    assert_eq!(script.drew[0].load(Ordering::SeqCst), 0);
+    assert!(has_samples(&harness, 50) && shown_by(&harness) == BY_PROCESSOR);
+    type_number(&mut harness, "Samples", "90");
+    wait(&mut harness, "the GPU's picture", |h| {
+        has_samples(h, 90) && has_whole_picture(h)
+    });
+    assert_eq!(shown_by(&harness), BY_GPU);
+    assert_no_step_back(&taken(&harness, &script));
 }
 
 #[test]

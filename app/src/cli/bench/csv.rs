@@ -7,7 +7,7 @@ use super::measure::{Findings, Row};
 use super::truth::Known;
 use super::{Conditions, Measured};
 
-const HEADER: &str = "preset,backend,width [px],height [px],bounces,method,sampler,shadows,setting bounces,traced bounces,cached shadows,without skip,samples [1/px],\
+const HEADER: &str = "preset,backend,width [px],height [px],bounces,method,sampler,shadows,setting bounces,traced bounces,cached shadows,without skip,samples [1/px],error wanted [relRMSE],\
     clock time [s],processor time [s],error [relRMSE],error is below the truth's noise,measured error [relRMSE],\
     estimated noise [relRMSE],FLIP [0 to 1],rounds,truth's noise [relRMSE],FLIP between the truth's halves [0 to 1],\
     rays [1/sample],shadow rays [1/sample],cells [1/ray],patch tests [1/ray],volume samples [1/ray]";
@@ -54,6 +54,7 @@ fn line(conditions: &Conditions, preset: &str, findings: &Findings, row: &Row) -
             .without
             .map_or_else(String::new, |skip| skip.to_string()),
         row.samples.to_string(),
+        optional(row.wanted),
         number(row.spent.wall.as_secs_f64()),
         optional(row.spent.processor.map(|time| time.as_secs_f64())),
         error,

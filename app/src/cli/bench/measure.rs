@@ -2,8 +2,10 @@
 //!
 //! The settings take turns twice, with different seeds, so that a disturbance of the machine hits one row and not one
 //! method, and so that two independent pictures of each tell its bias. A turn renders one picture on and on and looks at it
-//! at every power of two of samples; looking is not part of the time.
+//! at every power of two of samples; looking is not part of the time. A turn up to error targets renders one picture after
+//! another instead, each from nothing, since tiles that have ended for one target are not drawn on for the next.
 
+use std::cmp::Ordering;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -13,7 +15,7 @@ use renderer_core::design::{Design, Method, Quality, Sampler};
 use renderer_core::image::Picture;
 use renderer_core::image::metrics;
 use renderer_core::render::{
-    Backend, Camera, Counters, RenderError, RenderRequest, Settings, Skips,
+    Backend, Camera, Counters, RenderError, RenderRequest, Settings, Skips, convergence,
 };
 use renderer_core::scene::{self, CompileError, Scene};
 
@@ -35,13 +37,19 @@ const STALLED: f64 = 0.97;
 /// … if it has at least so many samples.
 const FEWEST_TO_STALL: u32 = 4;
 
-/// A row of the table: a setting with a number of samples.
+/// The loosest error target, as a share of the error at the fewest samples that can end anything. The next is this by √½, as
+/// much as noise falls where samples double, and so on.
+const LOOSEST: f64 = 1.2;
+
+/// A row of the table: a setting with a number of samples or an error target.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
     /// Index of the setting in its target.
     pub setting: usize,
-    /// Samples a pixel.
+    /// Samples a pixel; with an error target the most of any.
     pub samples: u32,
+    /// The error target, relRMSE, where there is one.
+    pub wanted: Option<f64>,
     /// The least that a round took, since what disturbs adds time.
     pub spent: Spent,
     /// relRMSE against the truth's mean, root mean square over the rounds; contains the truth's noise.
@@ -95,13 +103,31 @@ pub struct Subject {
 /// Picture and price of a setting at some number of samples, in one round.
 struct Look {
     samples: u32,
+    wanted: Option<f64>,
     spent: Spent,
     measured: f64,
     flip: f64,
     estimate: Option<f64>,
 }
 
+/// What a row is of: minus the error target, so that stricter ones come later, or a number of samples.
+#[derive(PartialEq, PartialOrd)]
+enum Step {
+    Target(f64),
+    Samples(u32),
+}
+
+impl Look {
+    fn step(&self) -> Step {
+        match self.wanted {
+            Some(wanted) => Step::Target(-wanted),
+            None => Step::Samples(self.samples),
+        }
+    }
+}
+
 /// One turn of a setting.
+#[derive(Default)]
 struct Turn {
     looks: Vec<Look>,
     last: Option<Picture>,
@@ -176,6 +202,7 @@ impl Subject {
                 traced_bounces: 0,
                 cached_shadows: 0,
                 without: None,
+                to_error: false,
             };
             match backend.begin(&self.request(&setting, 0)?) {
                 Ok(()) => methods.push(method),
@@ -211,6 +238,7 @@ pub fn measure(
     let first_deadline = Instant::now() + left.mul_f64(FIRST_ROUND_SHARE);
     let mut turns: Vec<[Option<Turn>; 2]> = target.settings.iter().map(|_| [None, None]).collect();
     let mut counted: Vec<(Setting, Counters)> = Vec::new();
+    let mut loosest = None;
     for (round, round_deadline) in [first_deadline, deadline].into_iter().enumerate() {
         let mut order: Vec<usize> = (0..target.settings.len()).collect();
         if round == 1 {
@@ -235,9 +263,17 @@ pub fn measure(
             if !counted.iter().any(|(other, _)| works_like(other, setting)) {
                 counted.push((*setting, count(backend, request.clone())?));
             }
-            let exposure = subject.exposure();
-            let turn = take_turn(backend, request, &truth, exposure, now + share)?;
-            turns[index][round] = Some(turn);
+            let held_to = (&truth, subject.exposure());
+            let turn = if setting.to_error {
+                if loosest.is_none() {
+                    let first = subject.request(setting, 0)?;
+                    loosest = loosest_target(backend, first, now + share)?;
+                }
+                take_turn_to_errors(backend, request, held_to, loosest, now + share)?
+            } else {
+                take_turn(backend, request, held_to, now + share)?
+            };
+            turns[index][round] = turn;
         }
     }
     let mut characters = Vec::new();
@@ -245,7 +281,7 @@ pub fn measure(
         let mut counted = counted.iter();
         let counters = counted.find(|(other, _)| works_like(other, setting));
         let counters = counters.map(|(_, counters)| *counters);
-        characters.push(character(counters, turns, &truth)?);
+        characters.push(character(setting, counters, turns, &truth)?);
     }
     backend.begin(&subject.request(&target.settings[0], 0)?)?;
     let bare = backend.bare_sample()?;
@@ -326,14 +362,10 @@ fn truth(
 fn take_turn(
     backend: &mut dyn Backend,
     mut request: RenderRequest,
-    truth: &Truth,
-    exposure: f64,
+    held_to: (&Truth, f64),
     deadline: Instant,
-) -> anyhow::Result<Turn> {
-    let mut turn = Turn {
-        looks: Vec::new(),
-        last: None,
-    };
+) -> anyhow::Result<Option<Turn>> {
+    let mut turn = Turn::default();
     let mut spent = Spent::zero();
     let most = Quality::FIELDS.samples.max as u32;
     while request.settings.samples <= most {
@@ -342,19 +374,14 @@ fn take_turn(
         let Some((samples, estimate)) = render(backend, &request, &mut spent, in_time)? else {
             break;
         };
-        let picture = backend.picture()?;
-        let look = Look {
+        let stalled = turn.look(backend.picture()?, held_to, |measured, flip| Look {
             samples,
+            wanted: None,
             spent,
-            measured: metrics::rel_rmse(&picture, &truth.mean)?,
-            flip: metrics::flip(&picture, &truth.mean, exposure)?,
+            measured,
+            flip,
             estimate,
-        };
-        let last = turn.looks.last();
-        let stalled = samples >= FEWEST_TO_STALL
-            && last.is_some_and(|last| look.measured > STALLED * last.measured);
-        turn.looks.push(look);
-        turn.last = Some(picture);
+        })?;
         // As many samples again will take about as long as all so far.
         let next = if samples == 1 {
             spent.wall - begun
@@ -366,13 +393,89 @@ fn take_turn(
         }
         request.settings.samples = 2 * samples;
     }
-    Ok(turn)
+    Ok(Some(turn))
+}
+
+/// The loosest error target; `None` where time is up before it is known, or where there is nothing but background.
+fn loosest_target(
+    backend: &mut dyn Backend,
+    mut request: RenderRequest,
+    deadline: Instant,
+) -> anyhow::Result<Option<f64>> {
+    request.settings.samples = convergence::FEWEST_FOR_ERROR;
+    let in_time = || Instant::now() < deadline;
+    let drawn = render(backend, &request, &mut Spent::default(), in_time)?;
+    let estimate = drawn.and_then(|(_, estimate)| estimate);
+    let known = estimate.filter(|estimate| *estimate > 0.0);
+    Ok(known.map(|estimate| LOOSEST * estimate))
+}
+
+/// Draws one picture after another, each from nothing up to an error target that is stricter than the last, until `deadline`
+/// or until that does not help. `None` where not one was done in time.
+fn take_turn_to_errors(
+    backend: &mut dyn Backend,
+    mut request: RenderRequest,
+    held_to: (&Truth, f64),
+    loosest: Option<f64>,
+    deadline: Instant,
+) -> anyhow::Result<Option<Turn>> {
+    let mut turn = Turn::default();
+    let Some(mut wanted) = loosest else {
+        return Ok(None);
+    };
+    request.settings.samples = Quality::FIELDS.samples.max as u32;
+    loop {
+        let mut other = request.clone();
+        other.settings.seed = !request.settings.seed;
+        backend.begin(&other)?;
+        request.settings.error = wanted;
+        let mut spent = Spent::zero();
+        let in_time = || Instant::now() < deadline;
+        let Some((samples, estimate)) = render(backend, &request, &mut spent, in_time)? else {
+            break;
+        };
+        let stalled = turn.look(backend.picture()?, held_to, |measured, flip| Look {
+            samples,
+            wanted: Some(wanted),
+            spent,
+            measured,
+            flip,
+            estimate,
+        })?;
+        if stalled || Instant::now() + spent.wall > deadline {
+            break;
+        }
+        wanted *= std::f64::consts::FRAC_1_SQRT_2;
+    }
+    Ok((!turn.looks.is_empty()).then_some(turn))
+}
+
+impl Turn {
+    /// Compares a picture with the truth and notes what `look` makes of relRMSE and FLIP. Whether more samples did not help.
+    fn look(
+        &mut self,
+        picture: Picture,
+        (truth, exposure): (&Truth, f64),
+        look: impl FnOnce(f64, f64) -> Look,
+    ) -> anyhow::Result<bool> {
+        let look = look(
+            metrics::rel_rmse(&picture, &truth.mean)?,
+            metrics::flip(&picture, &truth.mean, exposure)?,
+        );
+        let has_stalled =
+            |last: &Look| look.samples > last.samples && look.measured > STALLED * last.measured;
+        let stalled = look.samples >= FEWEST_TO_STALL && self.looks.last().is_some_and(has_stalled);
+        self.looks.push(look);
+        self.last = Some(picture);
+        Ok(stalled)
+    }
 }
 
 /// Whether two settings do the same work for a sample, but for chance.
 fn works_like(a: &Setting, b: &Setting) -> bool {
     let kind = |s: &Setting| Setting {
         sampler: a.sampler,
+        to_error: a.to_error,
         ..*s
     };
     kind(a) == kind(b)
@@ -387,6 +490,7 @@ fn count(backend: &mut dyn Backend, mut request: RenderRequest) -> anyhow::Resul
 
 /// What both turns of a setting tell of it.
 fn character(
+    setting: &Setting,
     counters: Option<Counters>,
     turns: &[Option<Turn>; 2],
     truth: &Truth,
@@ -396,7 +500,9 @@ fn character(
         (Some(a), Some(b)) => Some(Bias::new([&a, &b], truth)?),
         _ => None,
     };
-    let looks = turns.iter().flatten().filter_map(|turn| turn.looks.last());
+    // Up to an error some pixels have more samples than others.
+    let looks = turns.iter().filter(|_| !setting.to_error).flatten();
+    let looks = looks.filter_map(|turn| turn.looks.last());
     let per_sample = looks.map(|look| per_sample(look.spent, look.samples));
     Ok(Character {
         counters,
@@ -412,14 +518,14 @@ fn rows(setting: usize, turns: &[Option<Turn>; 2], noise: f64) -> Vec<Row> {
         .flatten()
         .flat_map(|turn| &turn.looks)
         .collect();
-    let mut numbers: Vec<u32> = all.iter().map(|look| look.samples).collect();
-    numbers.sort_unstable();
-    numbers.dedup();
-    let row = |samples| {
+    let mut steps: Vec<Step> = all.iter().map(|look| look.step()).collect();
+    steps.sort_by(|a, b| a.partial_cmp(b).unwrap_or(Ordering::Equal));
+    steps.dedup();
+    let row = |step: Step| {
         let looks: Vec<&Look> = all
             .iter()
             .copied()
-            .filter(|look| look.samples == samples)
+            .filter(|look| look.step() == step)
             .collect();
         let count = looks.len() as f64;
         let mean =
@@ -428,7 +534,8 @@ fn rows(setting: usize, turns: &[Option<Turn>; 2], noise: f64) -> Vec<Row> {
         let measured = mean(&|look| look.measured.powi(2)).sqrt();
         Row {
             setting,
-            samples,
+            samples: looks.iter().map(|look| look.samples).max().unwrap_or(0),
+            wanted: looks.first().and_then(|look| look.wanted),
             spent: least(looks.iter().map(|look| look.spent)).unwrap_or_default(),
             measured,
             error: known(measured, noise),
@@ -437,7 +544,7 @@ fn rows(setting: usize, turns: &[Option<Turn>; 2], noise: f64) -> Vec<Row> {
             rounds: looks.len() as u32,
         }
     };
-    numbers.into_iter().map(row).collect()
+    steps.into_iter().map(row).collect()
 }
 
 /// The name that a preset's results go by: its file's without the extension.

@@ -1,7 +1,7 @@
 //! `bench`: what a preset costs, and what it is worth: tables, plots, and what follows from them.
 //!
 //! ```text
-//! errors         methods × samplers × shadows against a converged truth, and one method without each skip
+//! errors         methods × samplers × shadows against a converged truth, and one method without each skip and up to error targets
 //! skips          the same work with each skip and without it, in turns
 //! backends       the same picture by each backend
 //! growth         loops from a thousand to a million, and pixels
@@ -249,7 +249,7 @@ impl Bench<'_> {
         let mut findings = Vec::new();
         let mut share = 0.0;
         let methods = subject.methods_of(backend)?;
-        let skips = skips::drawing_skips(backend.kind(), subject.quality().method);
+        let skips = skips::curve_skips(backend.kind(), subject.quality().method);
         for target in plan::targets(subject.quality(), &methods, &skips) {
             share += target.share;
             let title = target.name();

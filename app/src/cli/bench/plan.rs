@@ -29,6 +29,8 @@ pub struct Setting {
     pub cached_shadows: u32,
     /// Work that is done though it cannot be seen, to show what leaving it out is worth: no choice of users.
     pub without: Option<Skip>,
+    /// Each picture is drawn anew up to an error target, where others are drawn on and on.
+    pub to_error: bool,
 }
 
 impl Setting {
@@ -55,10 +57,21 @@ impl Setting {
             None => String::new(),
             Some(skip) => format!(", without {skip}"),
         };
+        let to_error = if self.to_error {
+            ", up to error targets"
+        } else {
+            ""
+        };
         format!(
-            "{}, {sampler}{shadows}{bounces}{traced}{cached}{without}",
+            "{}, {sampler}{shadows}{bounces}{traced}{cached}{to_error}{without}",
             self.method.name()
         )
+    }
+
+    /// Whether its rows are compared with those of others: not where work is done to measure what leaving it out is worth,
+    /// nor where pixels differ in their samples.
+    pub fn is_choice(&self) -> bool {
+        self.without.is_none() && !self.to_error
     }
 
     /// Whether all light of `target` is traced.
@@ -71,6 +84,8 @@ impl Setting {
         match (self.sampler, self.shadows) {
             // A yardstick, and no choice.
             _ if self.method == Method::SixFace => 0.5,
+            // No error is known before there are sixteen samples.
+            _ if self.to_error => 8.0,
             _ if self.without.is_some() => 1.0,
             _ if self.cached_shadows > 0 => 2.0,
             (Sampler::Owen, true) => 4.0,
@@ -127,6 +142,7 @@ pub fn targets(quality: &Quality, methods: &[Method], skips: &[Skip]) -> Vec<Tar
             traced_bounces: 0,
             cached_shadows: 0,
             without: None,
+            to_error: false,
         }));
     }
     let whole = direct
@@ -137,10 +153,17 @@ pub fn targets(quality: &Quality, methods: &[Method], skips: &[Skip]) -> Vec<Tar
             cached_shadows: CACHED_SHADOWS,
             ..whole
         });
-        direct.extend(skips.iter().map(|&skip| Setting {
-            without: Some(skip),
-            ..whole
-        }));
+        for &skip in skips {
+            // Tiles can end before the picture only where there is an error to end at: with it and without, for want of any
+            // other to compare with.
+            let to_error = skip == Skip::ConvergedTiles;
+            direct.extend(to_error.then_some(Setting { to_error, ..whole }));
+            direct.push(Setting {
+                without: Some(skip),
+                to_error,
+                ..whole
+            });
+        }
     }
     let has_more = quality.bounces > 1;
     let mut targets = vec![Target {
@@ -168,6 +191,7 @@ fn all_of_the_light(bounces: u32) -> Vec<Setting> {
         traced_bounces,
         cached_shadows: 0,
         without: None,
+        to_error: false,
     };
     vec![
         setting(Method::Tracked, Sampler::Owen, bounces, 0),

@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 
 use renderer_core::design::{Method, Sampler};
-use renderer_core::render::Counters;
+use renderer_core::render::{Counters, Skip};
 
 use super::measure::{Character, Findings, Row};
 use super::pareto::{self, Point};
@@ -106,8 +106,7 @@ pub fn points(conditions: &Conditions, rows: &[&Row], noise: f64) -> Vec<Point> 
 
 fn section(conditions: &Conditions, preset: &str, findings: &Findings) -> String {
     let (target, truth) = (&findings.target, &findings.truth);
-    // Who leaves out a skip does so to measure it.
-    let is_choice = |row: &&Row| target.settings[row.setting].without.is_none();
+    let is_choice = |row: &&Row| target.settings[row.setting].is_choice();
     let rows: Vec<&Row> = findings.rows.iter().filter(is_choice).collect();
     let points = points(conditions, &rows, truth.noise);
     let mut text = format!(
@@ -122,6 +121,7 @@ fn section(conditions: &Conditions, preset: &str, findings: &Findings) -> String
     text += &best(findings, &rows, &points);
     text += &dominated(findings, &rows, &points);
     text += &costs(conditions, findings);
+    text += &to_errors(conditions, findings);
     text
 }
 
@@ -161,7 +161,7 @@ fn dominated(findings: &Findings, rows: &[&Row], points: &[Point]) -> String {
     let mut text = String::new();
     let mut missing = Vec::new();
     for (index, setting) in findings.target.settings.iter().enumerate() {
-        if setting.without.is_some() {
+        if !setting.is_choice() {
             continue;
         }
         let group: Vec<usize> = (0..points.len())
@@ -194,6 +194,51 @@ fn dominated(findings: &Findings, rows: &[&Row], points: &[Point]) -> String {
     text
 }
 
+/// Pictures drawn up to error targets, with tiles that end before the picture and without.
+fn to_errors(conditions: &Conditions, findings: &Findings) -> String {
+    let settings = &findings.target.settings;
+    let rows = |is_with: bool| -> Vec<&Row> {
+        let is_side = |row: &&Row| {
+            let setting = &settings[row.setting];
+            setting.to_error && setting.without.is_none() == is_with
+        };
+        findings.rows.iter().filter(is_side).collect()
+    };
+    let [with, without] = [true, false].map(rows);
+    let pairs: Vec<[&Row; 2]> = with
+        .iter()
+        .filter_map(|row| {
+            let other = without.iter().find(|other| other.wanted == row.wanted)?;
+            Some([*row, *other])
+        })
+        .collect();
+    if pairs.is_empty() {
+        return String::new();
+    }
+    let skip = Skip::ConvergedTiles;
+    let mut text = format!(
+        "\n| error target | time with `{skip}` | without | without : with | its error with | without | most samples with | without |\n\
+         | --- | --- | --- | --- | --- | --- | --- | --- |\n",
+    );
+    for pair in pairs {
+        let costs = pair.map(|row| row.spent.cost(conditions.backend));
+        let errors = pair.map(|row| error(row.error, findings.truth.noise));
+        let _ = writeln!(
+            text,
+            "| {:.4} | {} | {} | {:.2} | {} | {} | {} | {} |",
+            pair[0].wanted.unwrap_or_default(),
+            seconds(costs[0]),
+            seconds(costs[1]),
+            costs[1] / costs[0].max(1e-9),
+            errors[0],
+            errors[1],
+            pair[0].samples,
+            pair[1].samples,
+        );
+    }
+    text
+}
+
 /// Cost ratios of the methods, dearest first, and what each lacks.
 fn costs(conditions: &Conditions, findings: &Findings) -> String {
     let of = |method| {
@@ -201,7 +246,7 @@ fn costs(conditions: &Conditions, findings: &Findings) -> String {
         let index = settings.position(|setting| {
             (setting.method, setting.sampler, setting.shadows) == (method, Sampler::Owen, true)
                 && setting.is_whole(&findings.target)
-                && setting.without.is_none()
+                && setting.is_choice()
         })?;
         let character = &findings.characters[index];
         Cost::new(method, character, conditions)

@@ -4,6 +4,8 @@ use std::time::{Duration, Instant};
 
 use renderer_core::render::{Progress, RenderRequest};
 
+use crate::designer::renderer::noise_left;
+
 /// Pictures are published at most this often.
 const PUBLISHING: Duration = Duration::from_millis(50);
 /// A first picture that takes longer than this is drawn smaller.
@@ -28,8 +30,12 @@ pub struct Job {
     /// Width and height of the picture in work are those of the request divided by this.
     divisor: u32,
     samples: u32,
-    /// Pictures of fewer samples are not published: one with so many is seen already.
+    /// relRMSE that the backend expects of its noise.
+    error_estimate: Option<f64>,
+    /// Samples of the picture that another backend has drawn of this one, which is seen already.
     seen: u32,
+    /// Samples from which on the picture is no noisier than that: those of fewer are not published before it is done.
+    quiet_from: u32,
     /// Seconds on the picture of the present divisor.
     rung_seconds: f64,
     published: Instant,
@@ -47,7 +53,9 @@ impl Job {
             seconds: 0.0,
             divisor,
             samples: 0,
+            error_estimate: None,
             seen: 0,
+            quiet_from: 0,
             rung_seconds: 0.0,
             published: Instant::now(),
             publishing_took: Duration::ZERO,
@@ -96,16 +104,13 @@ impl Job {
             return (None, false);
         }
         let is_first = self.samples == 0;
-        self.samples = progress.samples;
+        (self.samples, self.error_estimate) = (progress.samples, progress.error_estimate);
         let [width, height] = self.in_work().size;
         let samples = f64::from(progress.samples.max(1));
         let cost = self.rung_seconds / (f64::from(width) * f64::from(height) * samples);
         let is_due = self.published.elapsed() > (4 * self.publishing_took).max(PUBLISHING);
-        let is_news = progress.samples >= self.seen;
-        (
-            Some(cost),
-            progress.done || (is_news && (is_first || is_due)),
-        )
+        let is_news = progress.samples >= self.quiet_from && (is_first || is_due);
+        (Some(cost), (progress.done && !self.is_behind()) || is_news)
     }
 
     /// Notes that the picture was published, which took so long.
@@ -120,16 +125,37 @@ impl Job {
             return false;
         }
         self.divisor /= 2;
-        (self.samples, self.seen) = (0, 0);
+        (self.samples, self.seen, self.quiet_from) = (0, 0, 0);
+        self.error_estimate = None;
         self.rung_seconds = 0.0;
         true
     }
 
-    /// Notes that another backend starts on the picture in work.
-    pub fn start_again(&mut self) {
+    /// Notes that another backend starts on the picture in work. One that shows its pictures as sharp as they are
+    /// (not `softens`) has to have more samples than one that mixes neighbouring pixels, until it is no noisier.
+    pub fn start_again(&mut self, softens: bool) {
         self.seen = self.seen.max(self.samples);
+        let softness = if softens {
+            0.0
+        } else {
+            self.softness(self.seen)
+        };
+        self.quiet_from = (self.seen as f32 / noise_left(softness)).ceil() as u32;
         self.samples = 0;
+        self.error_estimate = None;
         self.rung_seconds = 0.0;
+    }
+
+    /// Whether the picture in work has fewer samples than one of it that is seen already.
+    pub fn is_behind(&self) -> bool {
+        self.samples < self.seen
+    }
+
+    /// Whether the picture in work is as good as is wished, so that its backend will call it done.
+    pub fn has_met_target(&self) -> bool {
+        let wanted = self.in_work().settings;
+        let is_met = |error: f64| wanted.error > 0.0 && error <= wanted.error;
+        self.samples >= wanted.samples || self.error_estimate.is_some_and(is_met)
     }
 
     /// Whether the picture in work has no sample yet, nor has one been seen.

@@ -9,6 +9,7 @@
 mod fallback;
 mod first_look;
 mod job;
+mod stand_in;
 mod worker;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -77,9 +78,9 @@ pub struct Shown {
     pub activity: Activity,
     /// Time spent rendering since the last wish that changed the picture.
     pub seconds: f64,
-    /// The backend that draws, and its adapter or processor.
+    /// The backend whose picture is shown, and its adapter or processor.
     pub device: Option<(BackendKind, String)>,
-    /// Whether that stands in for a GPU that is not ready for the picture yet.
+    /// Whether that stands in for a GPU that was not ready for the picture.
     pub stands_in: bool,
     /// Bytes on the device.
     pub device_bytes: u64,

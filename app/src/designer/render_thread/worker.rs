@@ -14,6 +14,7 @@ use renderer_core::scene::{self, Cancel, CompileError, Compiler, Excerpt, Scene,
 use super::fallback::{Fallback, Remedy};
 use super::first_look;
 use super::job::Job;
+use super::stand_in::StandIn;
 use super::{Activity, Shared, Shown, Wish, lock};
 use crate::backend::BackendChoice;
 use crate::designer::renderer::{Developer, MakeRenderer, Renderer};
@@ -52,8 +53,7 @@ pub struct Worker<'a> {
     make: MakeRenderer,
     repaint: &'a egui::Context,
     renderer: Option<(BackendChoice, Renderer)>,
-    /// The processor, which draws while the renderer is not ready: the same picture, so that nobody sees the change.
-    stand_in: Option<Renderer>,
+    stand_in: StandIn,
     fallback: Fallback,
     wish: Option<Wish>,
     compiler: Compiler,
@@ -79,7 +79,7 @@ impl<'a> Worker<'a> {
             make,
             repaint,
             renderer: None,
-            stand_in: None,
+            stand_in: StandIn::None,
             fallback: Fallback::default(),
             wish: None,
             compiler: Compiler::default(),
@@ -129,7 +129,7 @@ impl<'a> Worker<'a> {
             Failure::Render(error) => {
                 // What remains of a failed device is of no use.
                 let renderer = self.renderer.take();
-                self.stand_in = None;
+                self.stand_in = StandIn::None;
                 let kind = renderer.map(|(_, mut renderer)| renderer.backend().kind());
                 let larger_side = self.job.take().map_or(0, |job| {
                     let [width, height] = job.request.size;
@@ -164,7 +164,7 @@ impl<'a> Worker<'a> {
         let Sight { scene, camera } = self.sight_of(&wish, was_glimpsed)?;
         if self.fallback.choose(wish.choice, wish.attempt) {
             self.renderer = None;
-            self.stand_in = None;
+            self.stand_in = StandIn::None;
         }
         let choice = wish.choice.for_method(wish.design.quality.method);
         let largest_side = self.choose_backend(self.fallback.effective(choice))?;
@@ -345,7 +345,7 @@ impl<'a> Worker<'a> {
         }
         // The old one goes first: two of them may be more than the device's memory holds.
         self.renderer = None;
-        self.stand_in = None;
+        self.stand_in = StandIn::None;
         self.job = None;
         self.cost = None;
         let mut renderer = (self.make)(choice)?;
@@ -355,7 +355,7 @@ impl<'a> Worker<'a> {
     }
 
     /// Hands the job's picture, at its present size, to the backend, and to the processor as well while that is not ready
-    /// for it.
+    /// for it, or has begun the picture and may have it ended already.
     fn begin(&mut self) -> Result<(), Failure> {
         let (Some(job), Some((_, renderer))) = (&mut self.job, &mut self.renderer) else {
             return Ok(());
@@ -363,20 +363,21 @@ impl<'a> Worker<'a> {
         let (request, is_new) = (job.in_work(), job.is_new());
         let backend = renderer.backend();
         workers::with_all(|| backend.begin_soon(&request))?;
-        if backend.is_ready()? {
-            self.stand_in = None;
-        } else {
-            let stand_in = match self.stand_in.take() {
-                Some(stand_in) => stand_in,
-                None => (self.make)(BackendChoice::Cpu)?,
+        let goes_on = !is_new && matches!(self.stand_in, StandIn::Draws(_));
+        if goes_on || !backend.is_ready()? {
+            let stand_in = match std::mem::take(&mut self.stand_in) {
+                StandIn::Draws(stand_in) | StandIn::IsShown(stand_in) => stand_in,
+                StandIn::None => (self.make)(BackendChoice::Cpu)?,
             };
-            let drawing = self.stand_in.insert(stand_in).backend();
+            self.stand_in = StandIn::Draws(stand_in);
+            let drawing = self.stand_in.drawing(renderer).backend();
             workers::with_all(|| drawing.begin(&request))?;
+        } else if is_new {
+            self.stand_in = StandIn::None;
         }
         let stands_in = self.stand_in.is_some();
-        let drawing = self.stand_in.as_mut().unwrap_or(renderer).backend();
-        let device = (drawing.kind(), drawing.device_name());
-        let bytes = drawing.device_bytes();
+        let shown = self.stand_in.shown(renderer).backend();
+        let (device, bytes) = ((shown.kind(), shown.device_name()), shown.device_bytes());
         self.publish(|shown| {
             shown.activity = Activity::Rendering;
             shown.is_first |= is_new;
@@ -394,19 +395,26 @@ impl<'a> Worker<'a> {
         let (Some(job), Some((_, renderer))) = (&mut self.job, &mut self.renderer) else {
             return Ok(());
         };
-        if self.stand_in.is_some() && renderer.backend().is_ready()? {
-            job.start_again();
-            return self.begin();
+        if matches!(self.stand_in, StandIn::Draws(_))
+            && !job.has_met_target()
+            && renderer.backend().is_ready()?
+        {
+            job.start_again(renderer.softens());
+            self.stand_in.step_back(job.is_new());
         }
         let start = Instant::now();
-        let drawing = self.stand_in.as_mut().unwrap_or(renderer);
+        let drawing = self.stand_in.drawing(renderer);
         let progress = advance(drawing, &self.shared.cancel)?;
         let (cost, is_due) = job.note(progress, start.elapsed().as_secs_f64());
-        if self.stand_in.is_none() {
+        if !matches!(self.stand_in, StandIn::Draws(_)) {
             self.cost = cost.or(self.cost);
         }
+        let stays = progress.done && job.is_behind();
         if is_due {
+            self.stand_in.give_way();
             self.show(progress)?;
+        } else if stays {
+            self.publish(|shown| shown.progress.done = true);
         }
         if progress.done {
             return self.climb();
@@ -433,9 +441,12 @@ impl<'a> Worker<'a> {
         let start = Instant::now();
         let (display, softness) = (wish.display, job.softness(progress.samples));
         let developer = &mut self.developer;
-        let drawing = self.stand_in.as_mut().unwrap_or(renderer);
+        let stands_in = self.stand_in.is_some();
+        let drawing = self.stand_in.shown(renderer);
         let image = workers::with_all(|| developer.shoot(drawing, display, softness))?;
-        let bytes = drawing.backend().device_bytes();
+        let backend = drawing.backend();
+        let device = (backend.kind(), backend.device_name());
+        let bytes = backend.device_bytes();
         self.display = Some(display);
         job.published(start.elapsed());
         let (seconds, is_reduced) = (job.seconds, job.is_reduced());
@@ -447,6 +458,8 @@ impl<'a> Worker<'a> {
             shown.is_first = is_reduced;
             shown.is_unseen = false;
             shown.seconds = seconds;
+            shown.device = Some(device);
+            shown.stands_in = stands_in;
             shown.device_bytes = bytes;
         });
         Ok(())
@@ -460,8 +473,8 @@ impl<'a> Worker<'a> {
         let Some((_, renderer)) = &mut self.renderer else {
             return Ok(());
         };
-        let drawing = self.stand_in.as_mut().unwrap_or(renderer);
-        let image = self.developer.again(drawing, display)?;
+        let shown = self.stand_in.shown(renderer);
+        let image = self.developer.again(shown, display)?;
         self.display = Some(display);
         self.publish(|shown| {
             shown.image = image;

@@ -10,14 +10,14 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::super::bounds::{PartOverCells, Solid, larger, smaller};
+use super::super::bounds::{Footprint, PartOverCells, Solid, larger, smaller};
 use super::super::skeleton::Face;
 use super::super::{
     BlockEntry, BlockHeader, Cancel, EntryLayout, EntryParts, LoopCounts, LoopPatch, Loops,
     SheetGeometry,
 };
 use super::planting::{BlockRow, Planted, Planting, Reach};
-use super::{NoGrid, set_bits};
+use super::{NoGrid, set_bits, wide};
 
 /// Units of height up to the farthest point; below i16's limit so that rounding outwards fits.
 const HEIGHT_UNITS: f64 = 32_000.0;
@@ -96,6 +96,10 @@ pub(in super::super) fn build(
         entries.append(&mut band.entries);
     }
     let z_range_mm = z_range_mm(&headers, height_unit_mm);
+    let mut shapes = Vec::with_capacity(first_shape as usize);
+    for row in &rows {
+        shapes.extend_from_slice(&row.shapes);
+    }
     headers.push(BlockHeader {
         entries_start: entries.len() as u32,
         first_loop: first_shape,
@@ -119,7 +123,7 @@ pub(in super::super) fn build(
             dropped: planted.counts.dropped + dropped,
             ..planted.counts
         },
-        shapes: rows.into_iter().flat_map(|row| row.shapes).collect(),
+        shapes,
     })
 }
 
@@ -199,6 +203,51 @@ struct Subcells<const N: i64> {
     slack: f64,
 }
 
+/// What is done in subcells. Not a closure, since those are not sure to be compiled for their caller's instructions.
+trait Visitor {
+    /// In a subcell of the block of that number, row by row: its bit in the block, and where its middle is from that of the
+    /// box, mm.
+    fn visit(&mut self, block: usize, bit: u16, at: [f32; 2]);
+}
+
+/// Notes quadrants that a part of a loop reaches, and its heights there.
+struct OfPart<'a> {
+    /// Of the part's centre.
+    height: f32,
+    over: PartOverCells,
+    reached: &'a mut [Reached],
+}
+
+impl Visitor for OfPart<'_> {
+    #[inline(always)]
+    fn visit(&mut self, block: usize, bit: u16, at: [f32; 2]) {
+        if let Some([z0, z1]) = self.over.z_range(at) {
+            let reached = &mut self.reached[block];
+            reached.quadrants |= bit;
+            let [low, high] = reached.z;
+            reached.z = [
+                smaller(self.height + z0, low),
+                larger(self.height + z1, high),
+            ];
+        }
+    }
+}
+
+/// Notes ninths that a loop's patch may reach.
+struct OfFootprint<'a> {
+    footprint: Footprint,
+    reached: &'a mut [Reached],
+}
+
+impl Visitor for OfFootprint<'_> {
+    #[inline(always)]
+    fn visit(&mut self, block: usize, bit: u16, at: [f32; 2]) {
+        if self.footprint.reaches(at) {
+            self.reached[block].ninths |= bit;
+        }
+    }
+}
+
 /// Subcells counted from the first of a loop's own block, and mm from the middle of the loop's own cell.
 struct SubcellsFromLoop<'a, const N: i64> {
     subcells: &'a Subcells<N>,
@@ -207,6 +256,7 @@ struct SubcellsFromLoop<'a, const N: i64> {
 }
 
 /// The whole number below; without the call that `f64::floor` is where the processor may be an old one.
+#[inline(always)]
 fn floor(x: f64) -> i64 {
     let towards_zero = x as i64;
     towards_zero - i64::from(x < towards_zero as f64)
@@ -230,6 +280,7 @@ impl<const N: i64> Subcells<N> {
     }
 
     /// As seen from the loop with bit `place` in its block's header.
+    #[inline(always)]
     fn seen_from(&self, place: u32, block_cells: u32) -> SubcellsFromLoop<'_, N> {
         let own = [place / 2 % block_cells, place / 2 / block_cells].map(f64::from);
         let in_subcells = N as f64 / f64::from(block_cells);
@@ -242,20 +293,14 @@ impl<const N: i64> Subcells<N> {
 
 impl<const N: i64> SubcellsFromLoop<'_, N> {
     /// First and last that a span touches.
+    #[inline(always)]
     fn span(&self, axis: usize, low: f64, high: f64) -> [i64; 2] {
         [low, high].map(|mm| floor(mm * self.subcells.inverse[axis] + self.own[axis]))
     }
 
-    /// Calls `visit` for the subcells of some `blocks` that a box touches: with the block's number among these, row by row,
-    /// the subcell's bit in the block, and where its middle is from the box's.
-    #[inline]
-    fn visit(
-        &self,
-        centre: DVec3,
-        half: DVec3,
-        blocks: [[i64; 2]; 2],
-        mut visit: impl FnMut(usize, u16, [f32; 2]),
-    ) {
+    /// Shows `visitor` the subcells of some `blocks` that a box touches.
+    #[inline(always)]
+    fn visit(&self, centre: DVec3, half: DVec3, blocks: [[i64; 2]; 2], visitor: &mut impl Visitor) {
         let half = half + self.subcells.slack;
         let touched = |axis: usize| {
             let (middle, half) = (centre[axis], half[axis]);
@@ -277,7 +322,7 @@ impl<const N: i64> SubcellsFromLoop<'_, N> {
             let mut block = ((y.div_euclid(N) - near) * (right - left + 1) + column) as usize;
             let (mut x, mut steps) = (first_x, 0.0);
             for _ in x0..=x1 {
-                visit(block, bits << x, [middle_x0 + steps * step_x, middle_y]);
+                visitor.visit(block, bits << x, [middle_x0 + steps * step_x, middle_y]);
                 steps += 1.0;
                 x += 1;
                 if x == N {
@@ -288,12 +333,13 @@ impl<const N: i64> SubcellsFromLoop<'_, N> {
     }
 }
 
-struct Band {
+pub(super) struct Band {
     headers: Vec<BlockHeader>,
     entries: Vec<BlockEntry>,
 }
 
-struct Binning<'a> {
+/// What it takes to bin loops.
+pub(super) struct Binning<'a> {
     planting: &'a Planting<'a>,
     homes: &'a [Homes<'a>],
     layout: EntryLayout,
@@ -319,7 +365,7 @@ impl Binning<'_> {
         let starts: Vec<i64> = rows.clone().step_by(height).collect();
         let band = |&start: &i64| {
             cancel.check().map_err(|_| NoGrid::Cancelled)?;
-            let band = self.band(start..(start + height as i64).min(rows.end));
+            let band = wide::band(self, start..(start + height as i64).min(rows.end));
             let entries = band.entries.len() as u64;
             let sum = total.fetch_add(entries, Ordering::Relaxed) + entries;
             (sum <= MAX_ENTRIES)
@@ -329,7 +375,9 @@ impl Binning<'_> {
         starts.par_iter().map(band).collect()
     }
 
-    fn band(&self, rows: Range<i64>) -> Band {
+    /// The lists of some rows of blocks. Inlined whole, so that it is compiled for the instructions of its caller.
+    #[inline(always)]
+    pub(super) fn band(&self, rows: Range<i64>) -> Band {
         let mut headers = vec![EMPTY; (rows.end - rows.start) as usize * self.width];
         let mut notes = Vec::new();
         let mut reached = Vec::new();
@@ -367,6 +415,7 @@ impl Binning<'_> {
     }
 
     /// Adds a note for each block of the band that a loop reaches. `reached` is scratch space.
+    #[inline(always)]
     fn note_loop(
         &self,
         rows: &Range<i64>,
@@ -401,24 +450,18 @@ impl Binning<'_> {
         let quadrants = self.quadrants.seen_from(place, b);
         for part in solid.parts() {
             let over = PartOverCells::new(&part, self.quadrants.half_size());
-            let height = part.centre.z as f32;
-            quadrants.visit(part.centre, part.half_size(), blocks, |block, bit, at| {
-                if let Some([z0, z1]) = over.z_range(at) {
-                    let reached = &mut reached[block];
-                    reached.quadrants |= bit;
-                    let [low, high] = reached.z;
-                    reached.z = [smaller(height + z0, low), larger(height + z1, high)];
-                }
-            });
+            let mut visitor = OfPart {
+                height: part.centre.z as f32,
+                over,
+                reached,
+            };
+            quadrants.visit(part.centre, part.half_size(), blocks, &mut visitor);
         }
         let footprint = solid.footprint(self.ninths.half_size());
         let (centre, half) = (footprint.centre, footprint.half_size);
         let ninths = self.ninths.seen_from(place, b);
-        ninths.visit(centre, half, blocks, |block, bit, at| {
-            if footprint.reaches(at) {
-                reached[block].ninths |= bit;
-            }
-        });
+        let mut visitor = OfFootprint { footprint, reached };
+        ninths.visit(centre, half, blocks, &mut visitor);
         for (index, reached) in reached.iter().enumerate() {
             let [z0, z1] = reached.z.map(f64::from);
             let z = [
@@ -440,6 +483,7 @@ impl Binning<'_> {
     }
 
     /// Sorts notes by block, keeping their order within one; fills the headers' lists and height ranges.
+    #[inline(always)]
     fn sort(&self, notes: &[Note], headers: &mut [BlockHeader]) -> Vec<BlockEntry> {
         let unit = f64::from(self.height_unit_mm);
         let units_in_mm = 1.0 / unit;

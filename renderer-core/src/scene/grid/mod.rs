@@ -6,6 +6,7 @@
 
 mod binning;
 mod planting;
+mod wide;
 
 use super::skeleton::Face;
 use super::{BlockEntry, EntryLayout, LoopPatch, Loops, SheetGeometry};

@@ -23,7 +23,7 @@ const FRONT: RGBColor = RGBColor(196, 196, 196);
 enum Shows {
     /// Those that a user can choose.
     Choices,
-    /// One method, and the same without each skip.
+    /// One method, the same without each skip, and both up to error targets.
     Skips,
 }
 
@@ -32,12 +32,13 @@ impl Shows {
     fn has(self, target: &Target, index: usize) -> bool {
         let setting = &target.settings[index];
         match self {
-            Self::Choices => setting.without.is_none(),
+            Self::Choices => setting.is_choice(),
             Self::Skips => target.settings.iter().any(|other| {
                 other.without.is_some()
                     && *other
                         == Setting {
                             without: other.without,
+                            to_error: other.to_error,
                             ..*setting
                         }
             }),
@@ -68,6 +69,7 @@ fn look_of(setting: &Setting, target: &Target) -> (RGBColor, Marker) {
         return (colour, MARKERS[1 + index % (MARKERS.len() - 1)]);
     }
     match setting.method {
+        _ if setting.to_error => (INK, Marker::Square),
         _ if setting.cached_shadows > 0 => (RGBColor(120, 94, 240), Marker::Diamond),
         _ if setting.bounces < target.bounces => (RGBColor(70, 70, 70), Marker::Diamond),
         Method::Tracked if setting.traced_bounces > 0 => (RGBColor(86, 180, 233), Marker::Square),
@@ -86,7 +88,9 @@ fn title_of(setting: &Setting, target: &Target) -> String {
     if let Some(skip) = setting.without {
         return format!("without {skip}");
     }
-    if setting.cached_shadows > 0 {
+    if setting.to_error {
+        format!("{method}, up to an error")
+    } else if setting.cached_shadows > 0 {
         format!("{method}, {} cached", setting.cached_shadows)
     } else if setting.bounces < target.bounces {
         format!("{method}, bounces = {}", setting.bounces)
@@ -311,11 +315,18 @@ impl<'a> Plot<'a> {
             })?;
         }
         let mut y = entry("", &|_| Ok(()))?;
-        for line in [
+        let of_samples = [
             "Solid, filled: Owen sampler.",
             "From marker to marker the",
             "samples double, from 1 a pixel.",
-        ] {
+        ];
+        let of_targets = [
+            "Squares: error targets, each the",
+            "last by √2, each picture anew.",
+        ];
+        let has_targets = self.rows.iter().any(|row| row.wanted.is_some());
+        let of_targets = of_targets.into_iter().filter(|_| has_targets);
+        for line in of_samples.into_iter().chain(of_targets) {
             canvas.text(line, [LEGEND, y], 13.5, (HPos::Left, VPos::Center), GREY)?;
             y += 19.0;
         }

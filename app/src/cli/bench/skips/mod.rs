@@ -17,7 +17,7 @@ use renderer_core::render::{Backend, BackendKind, Counters, Skip};
 use renderer_core::scene;
 
 pub use report::{bars, counter_of, csv, section, verdict};
-pub use switch::{Switch, drawing_skips, switch_of};
+pub use switch::{Switch, curve_skips, drawing_skips, switch_of};
 
 use super::Conditions;
 use super::parts::Turns;

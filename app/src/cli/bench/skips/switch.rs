@@ -33,6 +33,18 @@ pub fn switch_of(skip: Skip, backend: BackendKind, method: Method) -> Switch {
     }
 }
 
+/// The skips that have curves of their own on the plot of run time against error: those that change what a sample costs, and
+/// those that change how many are drawn up to an error.
+pub fn curve_skips(backend: BackendKind, method: Method) -> Vec<Skip> {
+    let has_curve = |skip: &Skip| {
+        matches!(
+            switch_of(*skip, backend, method),
+            Switch::Drawing | Switch::Target
+        )
+    };
+    Skip::ALL.into_iter().filter(has_curve).collect()
+}
+
 /// The skips that change what a sample costs.
 pub fn drawing_skips(backend: BackendKind, method: Method) -> Vec<Skip> {
     let changes = |skip: &Skip| switch_of(*skip, backend, method) == Switch::Drawing;

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 use renderer_core::cpu::CpuBackend;
-use renderer_core::design::{BentAlong, Colour, Design, FormKind, Method, Numbers};
+use renderer_core::design::{BentAlong, Colour, Design, FormKind, HeightImage, Method, Numbers};
 use renderer_core::image::{Picture, metrics};
 use renderer_core::render::{Backend, Camera, RenderRequest};
 use renderer_core::scene::{CompileError, Compiler, FormMesh, Net, ORDERS, compile, net_through};
@@ -16,7 +16,7 @@ use crate::support::scenes::{request, small_towel};
 type Bend = (&'static str, fn(&mut Design));
 
 /// Every kind of form, along and across, bent as sharply as its pile lets it.
-const BENDS: [Bend; 8] = [
+const BENDS: [Bend; 9] = [
     ("waves", |d| {
         d.form.kind = FormKind::Wave;
         (d.form.wavelength, d.form.steepness) = (30.0, 25.0);
@@ -59,6 +59,13 @@ const BENDS: [Bend; 8] = [
     ("a net that lies on its side", |d| {
         d.form.kind = FormKind::Net;
         d.form.net = turned_net(d, turn(), DVec3::new(3.0, -1.0, 2.0));
+    }),
+    ("a height picture", |d| {
+        d.form.kind = FormKind::Height;
+        (d.form.height, d.form.smooth) = (3.0, 2.5);
+        // Bright in the middle of the far edge, and to the right.
+        let greys = [9000, 65535, 30000, 0, 12000, 48000, 5000, 0, 26000];
+        d.form.pixels = HeightImage::new(3, 3, greys.to_vec());
     }),
 ];
 
@@ -342,7 +349,8 @@ fn nothing_shines_through_the_seams_of_facets() {
 
 #[test]
 fn cloth_is_bent_and_not_stretched() {
-    for bend in BENDS.iter().filter(|bend| !bend.0.contains("net")) {
+    let stretches = |bend: &&Bend| bend.0.contains("net") || bend.0.contains("picture");
+    for bend in BENDS.iter().filter(|bend| !stretches(bend)) {
         let mut design = bent(*bend);
         // Long enough for several turns and folds.
         (design.sheet.warps, design.sheet.wefts) = (90, 90);

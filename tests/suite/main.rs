@@ -29,6 +29,7 @@ mod gpu_backend;
 mod gpu_skips;
 mod gpu_vs_reference;
 mod grid;
+mod height;
 mod intervals;
 mod layout;
 mod lobes;

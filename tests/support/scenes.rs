@@ -42,15 +42,18 @@ pub fn preset_path(name: &str) -> PathBuf {
 
 /// Presets that ask nothing of a renderer that another does not: the same cloth in another light, another bend, another kind of
 /// pile in the same volumes. Short tests draw them all the same.
-const LIKE_ANOTHER: [&str; 10] = [
+const LIKE_ANOTHER: [&str; 13] = [
+    "draped-net",
     "folded-stack",
     "grass",
     "noon",
+    "relief-carpet",
     "rolled-towel",
     "sculpted-rug",
     "shag-rug",
     "studio-softbox",
     "vacuumed-carpet",
+    "waves",
     "wet-towel",
     "window",
 ];

@@ -30,10 +30,7 @@ pub fn describe(before: &Design, after: &Design) -> String {
             .or_else(|| other(before.nap != after.nap, "nap map")),
         numbers("skeleton", &before.skeleton, &after.skeleton)
             .or_else(|| other(before.skeleton != after.skeleton, "look of the skeleton")),
-        numbers("form", &before.form, &after.form)
-            .or_else(|| other(before.form.kind != after.form.kind, "form of the cloth"))
-            .or_else(|| other(before.form.net != after.form.net, "net of points"))
-            .or_else(|| other(before.form != after.form, "way the cloth is bent")),
+        form(before, after),
         light(before, after),
         view(before, after),
         numbers("quality", &before.quality, &after.quality)
@@ -132,6 +129,16 @@ fn length(before: &Design, after: &Design) -> Option<String> {
             list("row of lengths", a.table.len(), b.table.len()).filter(|_| is_one)
         })
         .or_else(|| other(a.table != b.table, "table of lengths"))
+}
+
+fn form(before: &Design, after: &Design) -> Option<String> {
+    let (a, b) = (&before.form, &after.form);
+    let is_opened = a.pixels != b.pixels && b.pixels.is_some();
+    other(is_opened, "open height picture")
+        .or_else(|| numbers("form", a, b))
+        .or_else(|| other(a.kind != b.kind, "form of the cloth"))
+        .or_else(|| other(a.net != b.net, "net of points"))
+        .or_else(|| other(a != b, "way the cloth is bent"))
 }
 
 fn light(before: &Design, after: &Design) -> Option<String> {

@@ -66,6 +66,8 @@ pub enum Command {
     OpenNap,
     /// Ask for an image of the surroundings.
     OpenEnvironment,
+    /// Ask for a height picture.
+    OpenHeight,
     /// Use this image of the surroundings.
     UseEnvironment(PathBuf),
     /// Move a point of the net that pulls the cloth, mm.

@@ -23,6 +23,8 @@ pub enum Purpose {
     OpenNap,
     /// An image of the surroundings.
     OpenEnvironment,
+    /// A height picture.
+    OpenHeight,
     /// A picture to write.
     ExportPng,
     /// A picture of linear light to write.
@@ -37,6 +39,7 @@ impl Purpose {
             Self::OpenChart => "charts",
             Self::OpenNap => "nap maps",
             Self::OpenEnvironment => "surroundings",
+            Self::OpenHeight => "height pictures",
             Self::ExportPng | Self::ExportExr => "pictures",
         }
     }
@@ -48,6 +51,7 @@ impl Purpose {
             Self::OpenChart
                 | Self::OpenNap
                 | Self::OpenEnvironment
+                | Self::OpenHeight
                 | Self::ExportPng
                 | Self::ExportExr
         )
@@ -64,6 +68,12 @@ impl Purpose {
                 "Open surroundings",
                 "images",
                 &["hdr", "exr", "png", "jpg", "jpeg"],
+                false,
+            ),
+            Self::OpenHeight => (
+                "Open height picture",
+                "images",
+                &["png", "jpg", "jpeg"],
                 false,
             ),
             Self::ExportPng => ("Export picture as", "pictures", &["png"], true),

@@ -60,6 +60,10 @@ impl App {
                 let folder = self.folder_for(Purpose::OpenEnvironment);
                 self.dialogs.ask(Purpose::OpenEnvironment, &folder, "", ctx);
             }
+            Command::OpenHeight => {
+                let folder = self.folder_for(Purpose::OpenHeight);
+                self.dialogs.ask(Purpose::OpenHeight, &folder, "", ctx);
+            }
             Command::UseEnvironment(path) => self.load_environment(ctx, path),
             Command::MoveNetPoint { row, column, to } => {
                 let net = &mut self.document.design.form.net;

@@ -7,10 +7,12 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
-use renderer_core::design::{ChartImage, Design, EnvironmentImage, preset};
+use renderer_core::design::{ChartImage, Design, EnvironmentImage, HeightImage, preset};
 use renderer_core::image::encode_chart_png;
 
-use super::images::{decode_chart, decode_environment, encode_environment};
+use super::images::{
+    decode_chart, decode_environment, decode_height, encode_environment, encode_height,
+};
 use super::zip::{self, Archive};
 use super::{Carried, FileError, LARGEST_PRESET, write_atomically};
 
@@ -53,6 +55,7 @@ pub struct Packer {
     chart: Option<(ChartImage, Image)>,
     nap: Option<(ChartImage, Image)>,
     environment: Option<(EnvironmentImage, Image)>,
+    height: Option<(HeightImage, Image)>,
 }
 
 /// An image's file: a name that says its format, and its bytes.
@@ -89,6 +92,9 @@ impl Packer {
         if let Some((image, found)) = self.environment(&design, carried, folder)? {
             let path = packed.take("image of the surroundings", image, &found, most);
             design.light.environment.image = Some(path);
+        }
+        if let Some((image, found)) = self.height(&design, carried, folder)? {
+            design.form.image = Some(packed.take("height picture", image, &found, most));
         }
         packed.text = preset::write(&design).map_err(|error| error.to_string())?;
         Ok(packed)
@@ -140,6 +146,29 @@ impl Packer {
             }
         };
         self.environment = Some((pixels.clone(), image.clone()));
+        Ok(Some((image, found)))
+    }
+
+    /// As [`Self::chart`], of the height picture.
+    pub(super) fn height(
+        &mut self,
+        design: &Design,
+        carried: &Carried,
+        folder: &Path,
+    ) -> Result<Option<(Image, Found)>, String> {
+        let Some(pixels) = &design.form.pixels else {
+            return Ok(None);
+        };
+        let found = Found::new(design.form.image.as_deref(), carried, folder);
+        let image = match &self.height {
+            Some((last, image)) if last == pixels => image.clone(),
+            _ => {
+                let same = |bytes: &[u8]| decode_height(bytes).is_ok_and(|i| i == *pixels);
+                let encode = || encode_height(pixels).map_err(|error| error.to_string());
+                found.image("heights", "png", same, encode)?
+            }
+        };
+        self.height = Some((pixels.clone(), image.clone()));
         Ok(Some((image, found)))
     }
 }

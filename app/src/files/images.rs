@@ -1,13 +1,16 @@
-//! Reading charts, nap maps and pictures of the surroundings.
+//! Reading charts, nap maps, height pictures and pictures of the surroundings.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Cursor, Seek};
 use std::path::Path;
 
 use exr::prelude::{MetaData, ReadChannels, ReadLayers, Vec2, read};
-use image::{DynamicImage, ImageError, ImageFormat, ImageReader, Limits};
+use image::codecs::png::PngEncoder;
+use image::{
+    DynamicImage, ExtendedColorType, ImageEncoder, ImageError, ImageFormat, ImageReader, Limits,
+};
 use renderer_core::design::{
-    ChartImage, EnvironmentFault, EnvironmentImage, EnvironmentReader, srgb_to_linear,
+    ChartImage, EnvironmentFault, EnvironmentImage, EnvironmentReader, HeightImage, srgb_to_linear,
 };
 use renderer_core::image::encode_exr_channels;
 
@@ -48,12 +51,62 @@ pub(super) fn decode_chart(bytes: &[u8]) -> Result<ChartImage, String> {
 }
 
 fn read_chart<R: BufRead + Seek>(open: impl Fn() -> io::Result<R>) -> Result<ChartImage, String> {
+    let pixels = read_flat(open, ChartImage::MAX_SIDE)?.into_rgba8();
+    let (width, height) = (pixels.width() as usize, pixels.height() as usize);
+    let pixels: Vec<[u8; 4]> = pixels.pixels().map(|pixel| pixel.0).collect();
+    ChartImage::new(width, height, &pixels).ok_or_else(|| "has no pixels".into())
+}
+
+/// Reads a height picture: PNG or JPEG, sides up to [`HeightImage::MAX_SIDE`]; 16 bits are kept.
+///
+/// # Errors
+/// As [`load_chart`].
+pub fn load_height(path: &Path) -> Result<HeightImage, FileError> {
+    read_height(|| Ok(BufReader::new(File::open(path)?))).map_err(|what| FileError::Height {
+        path: path.to_owned(),
+        what,
+    })
+}
+
+/// As [`load_height`], of a file's bytes; the error is the end of a sentence about it.
+pub(super) fn decode_height(bytes: &[u8]) -> Result<HeightImage, String> {
+    read_height(|| Ok(Cursor::new(bytes)))
+}
+
+fn read_height<R: BufRead + Seek>(open: impl Fn() -> io::Result<R>) -> Result<HeightImage, String> {
+    let pixels = read_flat(open, HeightImage::MAX_SIDE)?.into_luma_alpha16();
+    let (width, height) = (pixels.width() as usize, pixels.height() as usize);
+    let over_black = |[grey, alpha]: [u16; 2]| {
+        let (grey, alpha, whole) = (u32::from(grey), u32::from(alpha), u32::from(u16::MAX));
+        ((grey * alpha + whole / 2) / whole) as u16
+    };
+    let greys = pixels.pixels().map(|pixel| over_black(pixel.0)).collect();
+    HeightImage::new(width, height, greys).ok_or_else(|| "has no pixels".into())
+}
+
+/// A PNG of a height picture, 16 bits a pixel.
+pub(super) fn encode_height(picture: &HeightImage) -> Result<Vec<u8>, ImageError> {
+    let bytes: Vec<u8> = picture
+        .greys()
+        .iter()
+        .flat_map(|g| g.to_ne_bytes())
+        .collect();
+    let (width, height) = (picture.width() as u32, picture.height() as u32);
+    let mut file = Vec::new();
+    PngEncoder::new(&mut file).write_image(&bytes, width, height, ExtendedColorType::L16)?;
+    Ok(file)
+}
+
+/// A PNG or a JPEG with sides of at most `most` pixels.
+fn read_flat<R: BufRead + Seek>(
+    open: impl Fn() -> io::Result<R>,
+    most: usize,
+) -> Result<DynamicImage, String> {
     let mut reader = reader_of(&open)?;
     if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg)) {
         return Err("is neither a PNG nor a JPEG file".into());
     }
     let (width, height) = reader_of(&open)?.into_dimensions().map_err(broken)?;
-    let most = ChartImage::MAX_SIDE;
     if width as usize > most || height as usize > most {
         return Err(format!(
             "has {width} x {height} pixels, allowed are at most {most} x {most}"
@@ -62,9 +115,7 @@ fn read_chart<R: BufRead + Seek>(open: impl Fn() -> io::Result<R>) -> Result<Cha
     let mut limits = Limits::default();
     limits.max_alloc = Some(CHART_MEMORY);
     reader.limits(limits);
-    let pixels = reader.decode().map_err(broken)?.into_rgba8();
-    let pixels: Vec<[u8; 4]> = pixels.pixels().map(|pixel| pixel.0).collect();
-    ChartImage::new(width as usize, height as usize, &pixels).ok_or_else(|| "has no pixels".into())
+    reader.decode().map_err(broken)
 }
 
 /// A reader that goes by the content, not by a name, which may promise what the content is not.

@@ -1,7 +1,7 @@
 //! All file reading and writing. Every error names its file; every write is atomic.
 //!
 //! - `preset`: presets, and the images they name
-//! - `images`: charts, nap maps and pictures of the surroundings
+//! - `images`: charts, nap maps, height pictures and pictures of the surroundings
 //! - `bundle`, `zip`: a design and its images in one file
 //! - `embedded`: designs in exported pictures
 //! - `shipped`: the presets that are part of the program
@@ -33,7 +33,7 @@ use renderer_core::design::preset::{PresetFault, SetError};
 pub use bundle::{BUNDLE_ENDING, Packer, is_bundle, save_bundle};
 pub use carried::Carried;
 pub use embedded::{Embedded, carries_design, embedded};
-pub use images::{load_chart, load_environment, load_nap};
+pub use images::{load_chart, load_environment, load_height, load_nap};
 pub use outline::Outline;
 pub use own_images::OwnImages;
 pub use pipelines::keep_pipelines;
@@ -106,6 +106,14 @@ pub enum FileError {
     /// A nap map cannot be used.
     #[error("{}: nap map: {what}", .path.display())]
     Nap {
+        /// The image.
+        path: PathBuf,
+        /// What is wrong, and what is allowed.
+        what: String,
+    },
+    /// A height picture cannot be used.
+    #[error("{}: height picture: {what}", .path.display())]
+    Height {
         /// The image.
         path: PathBuf,
         /// What is wrong, and what is allowed.

@@ -5,14 +5,15 @@ use std::io;
 use std::path::{Component, Path};
 
 use renderer_core::design::preset::{self, PresetFault};
-use renderer_core::design::{Design, EnvironmentKind};
+use renderer_core::design::{Design, EnvironmentKind, FormKind};
 
 use super::bundle::{Image, PRESET, Packer, is_bundle, read_bundle, save_bundle};
 use super::embedded::{is_png, read_embedded};
-use super::images::{decode_chart, decode_environment};
+use super::images::{decode_chart, decode_environment, decode_height};
 use super::own_images::OwnImages;
 use super::{
-    Carried, FileError, LARGEST_PRESET, load_chart, load_environment, load_nap, write_atomically,
+    Carried, FileError, LARGEST_PRESET, load_chart, load_environment, load_height, load_nap,
+    write_atomically,
 };
 
 /// What a design was read from.
@@ -191,6 +192,24 @@ impl<'a> Source<'a> {
                 Err(error) => failed(field, error.to_string()),
             }
         }
+        let field = "form.image";
+        if let Some(image) = &design.form.image {
+            let folder = self.folder_of_images(is_set(field));
+            let read = self.read_image(image, folder, decode_height, load_height);
+            let form = &mut design.form;
+            match read {
+                Ok(pixels) => form.pixels = Some(pixels),
+                Err(ReadError::File(error)) if is_set(field) => return Err(error),
+                Err(error) if self.origin == Origin::Picture => {
+                    warnings.push(left_out("height picture", &error.to_string()));
+                    form.image = None;
+                    if form.kind == FormKind::Height {
+                        form.kind = FormKind::Flat;
+                    }
+                }
+                Err(error) => failed(field, error.to_string()),
+            }
+        }
         if faults.is_empty() {
             return Ok(Opened {
                 design,
@@ -332,8 +351,9 @@ fn save_preset(
         design.chart.pixels.is_some(),
         design.light.environment.pixels.is_some(),
         design.nap.pixels.is_some(),
+        design.form.pixels.is_some(),
     ];
-    let mut lost = [false; 3];
+    let mut lost = [false; 4];
     let paths = written.image_paths_mut().into_iter();
     for ((path, has_pixels), lost) in paths.zip(has_pixels).zip(&mut lost) {
         let Some(path) = path else { continue };
@@ -361,6 +381,12 @@ fn save_preset(
         let image = packer.nap(design, carried, old_folder).map_err(failed)?;
         if let Some((image, _)) = image {
             written.nap.image = Some(write_beside(to, &image)?);
+        }
+    }
+    if lost[3] {
+        let image = packer.height(design, carried, old_folder).map_err(failed)?;
+        if let Some((image, _)) = image {
+            written.form.image = Some(write_beside(to, &image)?);
         }
     }
     let own = OwnImages::prepare(design, to, known)?;

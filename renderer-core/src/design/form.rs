@@ -28,6 +28,7 @@ impl Form {
                 let farthest = points.map(|[x, y, z]| x.hypot(*y).hypot(*z));
                 Some(farthest.fold(0.0, f64::max))
             }
+            FormKind::Height => Some(bent.hypot(self.height)),
         }
     }
 
@@ -40,6 +41,13 @@ impl Form {
                 allowed,
             });
         };
+        if self.kind == FormKind::Height && self.image.is_none() && self.pixels.is_none() {
+            fault(
+                "form.image".into(),
+                "left out".into(),
+                "the path of a picture when form.kind is \"height\"".into(),
+            );
+        }
         let (least, most) = (Self::NET_SIZES.start(), Self::NET_SIZES.end());
         let Some(first) = self.net.first() else {
             if self.kind == FormKind::Net {

@@ -10,6 +10,7 @@ mod environment_image;
 mod environment_light;
 mod fields;
 mod form;
+mod height_image;
 pub mod nap_edit;
 mod pattern;
 pub mod preset;
@@ -22,6 +23,7 @@ pub use colour::{Colour, linear_to_srgb, srgb_to_linear};
 pub use environment_image::{EnvironmentFault, EnvironmentImage, EnvironmentReader};
 pub use environment_light::EnvironmentLight;
 pub use fields::{Fault, Field, Numbers, Warning};
+pub use height_image::HeightImage;
 pub use pattern::{Anchor, Keep, NewCells, Pattern, STITCHES, Stitch};
 pub use ready_patterns::{READY_PATTERNS, ReadyPattern};
 pub use sections::*;
@@ -229,11 +231,12 @@ impl Design {
     }
 
     /// The paths of the images that the design names, which files write relative to themselves.
-    pub fn image_paths_mut(&mut self) -> [&mut Option<String>; 3] {
+    pub fn image_paths_mut(&mut self) -> [&mut Option<String>; 4] {
         [
             &mut self.chart.image,
             &mut self.light.environment.image,
             &mut self.nap.image,
+            &mut self.form.image,
         ]
     }
 

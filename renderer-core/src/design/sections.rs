@@ -6,7 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::fields::{Fault, Field, Numbers, section};
-use super::{ChartImage, Colour, EnvironmentImage, Pattern, Shape, Shaped};
+use super::{ChartImage, Colour, EnvironmentImage, HeightImage, Pattern, Shape, Shaped};
 
 section! {
     /// Size of the ground weave (MODEL.md §1).
@@ -719,6 +719,8 @@ choice! {
         Stack = "folded stack",
         /// As a net of points that can be dragged pulls it.
         Net = "net of points",
+        /// As high as a grey picture is bright.
+        Height = "height picture",
     }
 }
 
@@ -733,7 +735,9 @@ choice! {
 }
 
 section! {
-    /// How the cloth lies in space (the paper's future work 3). Cloth is bent, not stretched; a net of points may stretch it.
+    /// How the cloth lies in space (the paper's future work 3). Cloth is bent, not stretched; a net of points may stretch it, and a
+    /// height picture does: it moves each point of level cloth straight up, so that on a slope of angle a the cloth is 1/cos a times
+    /// as long as flat, and its loops stand so much farther apart; their lengths stay.
     Form, FormFields {
         numbers {
             /// Radius of the rail that the cloth hangs over, or of the roll's hollow middle.
@@ -748,6 +752,10 @@ section! {
             layers: u32 = 4, 2..=64, "";
             /// Air between the pile of one layer and the next, in rolls and stacks.
             gap: f64 = 1.0, 0.2..=1000.0, "mm";
+            /// How far the cloth lies higher where the height picture is white than where it is black, which stays where level cloth is; less than 0 lays it lower.
+            height: f64 = 20.0, -10_000.0..=10_000.0, "mm";
+            /// Distance over which heights of the picture blend: details below it vanish, and so do the steps between greys.
+            smooth: f64 = 6.0, 0.5..=1000.0, "mm";
         }
         others {
             /// How the cloth lies.
@@ -759,6 +767,12 @@ section! {
             /// Rows of points [x, y, z] in mm, from the near edge to the far one, each from left to right: 4 to 12 rows of 4 to 12 points that pull a smooth surface, which begins and ends in the outermost.
             #[serde(skip_serializing_if = "Vec::is_empty")]
             net: Vec<Vec<[f64; 3]>> = Vec::new();
+            /// Path of the height picture, relative to the preset: PNG (8 or 16 bits) or JPEG, laid over the whole cloth. Colours count as their grey, what is transparent as black.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            image: Option<String> = None;
+            /// The decoded picture; read by the program's file layer, never by serde.
+            #[serde(skip)]
+            pixels: Option<HeightImage> = None;
         }
     }
 }

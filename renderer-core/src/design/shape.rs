@@ -4,7 +4,7 @@
 //! reference all walk this one description; the `section!` and `choice!` macros make it from the declarations.
 
 use super::pattern::ALLOWED_STITCHES;
-use super::{ChartImage, Colour, EnvironmentImage, Field, Pattern};
+use super::{ChartImage, Colour, EnvironmentImage, Field, HeightImage, Pattern};
 
 /// What a field holds.
 #[derive(Debug, Clone, PartialEq)]
@@ -137,6 +137,7 @@ shaped! {
     Colour => Shape::Colour,
     ChartImage => Shape::Hidden,
     EnvironmentImage => Shape::Hidden,
+    HeightImage => Shape::Hidden,
     Pattern => {
         let list = |of| Shape::List { of: Box::new(of), length: None };
         list(list(Shape::Stitch))

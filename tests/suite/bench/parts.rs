@@ -121,7 +121,7 @@ fn every_part_writes_its_table_and_plots() {
 
     let forms = Table::read(&out.join("forms.csv"));
     assert_eq!(forms.column("measured")[0], "yes");
-    assert_eq!(forms.column("form").len(), 6);
+    assert_eq!(forms.column("form").len(), 7);
     let lights = Table::read(&out.join("lights.csv"));
     assert_eq!(lights.column("measured"), ["yes"; 6]);
     let noise = lights.numbers("noise of these [relRMSE]");

@@ -131,3 +131,62 @@ fn a_net_of_another_size_keeps_its_surface_and_can_be_laid_level() {
     assert_eq!(design(&harness).form.net, level);
     assert!(harness.get_by_label("Lay level").accesskit_node().role() == Role::Button);
 }
+
+#[test]
+fn a_height_picture_is_opened_undone_and_refused_where_it_belongs() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("hill.png");
+    let grey = |x: u32, y: u32| image::Luma([(x * (15 - x) + y * (11 - y)) as u8]);
+    image::GrayImage::from_fn(16, 12, grey)
+        .save(&file)
+        .expect("written");
+    let mut harness = designer_of_size(None, vec2(1280.0, 1600.0));
+    open_panel(&mut harness, "Form");
+    choose(&mut harness, "Lies", "height picture");
+    let asked = "form.image is left out";
+    assert!(harness.query_all_by_label_contains(asked).count() > 0);
+    assert!(harness.query_by_label_contains("No picture yet").is_some());
+    click(&mut harness, "Open height picture…");
+    type_path(&mut harness, &file);
+    click(&mut harness, "Open file");
+    wait(&mut harness, "the picture", |h| {
+        design(h).form.pixels.is_some()
+    });
+    harness.run_steps(3);
+    let opened = design(&harness).form.clone();
+    let document = harness.state().document();
+    assert_eq!(document.undo_name(), Some("open height picture"));
+    assert_eq!(harness.query_all_by_label_contains(asked).count(), 0);
+    assert!(harness.query_by_label("hill.png, 16 × 12 px").is_some());
+    assert!(harness.query_by_label("Height picture").is_some());
+    assert!(compile(design(&harness)).is_ok_and(|scene| scene.form.is_some()));
+    let size = harness.state().viewport().size();
+    let shown = camera_moves::shows_all(&camera(&harness), design(&harness), size);
+    assert!(shown);
+
+    type_number(&mut harness, "Height", "7");
+    type_number(&mut harness, "Smooth", "9");
+    let form = &wished(&harness).form;
+    assert_eq!((form.height, form.smooth), (7.0, 9.0));
+    assert_eq!(form.pixels, opened.pixels);
+
+    std::fs::write(&file, "no image").expect("written");
+    click(&mut harness, "Open height picture…");
+    type_path(&mut harness, &file);
+    click(&mut harness, "Open file");
+    wait(&mut harness, "the error", |h| {
+        h.query_by_label("Height picture not opened").is_some()
+    });
+    let told = "is neither a PNG nor a JPEG file";
+    assert!(harness.query_by_label_contains(told).is_some());
+    assert_eq!(
+        design(&harness).form.pixels,
+        opened.pixels,
+        "what was there stays"
+    );
+    for _ in 0..4 {
+        harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        harness.run_steps(3);
+    }
+    assert_eq!(*design(&harness), Design::default());
+}

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use renderer_core::design::{
     AreaLight, Design, Environment, EnvironmentImage, EnvironmentKind, EnvironmentReader, Form,
-    FormKind, Light, Sun,
+    FormKind, HeightImage, Light, Sun,
 };
 use renderer_core::render::Backend;
 use renderer_core::scene::{Compiler, net_through};
@@ -18,6 +18,8 @@ use super::summary::seconds;
 use super::{Conditions, Measured};
 use crate::clock::{Spent, cost_is_processor_time};
 
+/// Pixels along each side of the height picture.
+const HILL: usize = 64;
 /// Samples of each picture.
 const SAMPLES: u32 = 32;
 /// The noise to which the time is told, relRMSE.
@@ -92,6 +94,20 @@ pub fn forms(design: &Design) -> Vec<(&'static str, Design)> {
         }),
         ..Form::default()
     };
+    // A hill in the middle, as high as the pile.
+    let hill = |index: usize| {
+        let [x, y] = [index % HILL, index / HILL].map(|at| (at as f64 + 0.5) / HILL as f64 * TAU);
+        let share = 0.25 * (1.0 - x.cos()) * (1.0 - y.cos());
+        (share * f64::from(u16::MAX)) as u16
+    };
+    let picture = Form {
+        kind: FormKind::Height,
+        height: pile,
+        smooth: pile.max(Form::FIELDS.smooth.min),
+        image: Some("bench".into()),
+        pixels: HeightImage::new(HILL, HILL, (0..HILL * HILL).map(hill).collect()),
+        ..Form::default()
+    };
     vec![
         bent("level", Form::default()),
         bent("a net that leaves it level", level_net),
@@ -99,6 +115,7 @@ pub fn forms(design: &Design) -> Vec<(&'static str, Design)> {
         bent("rolled up", of_kind(FormKind::Roll)),
         bent("over a rail", of_kind(FormKind::Hanging)),
         bent("a stack of two layers", of_kind(FormKind::Stack)),
+        bent("a hill by a height picture", picture),
     ]
 }
 

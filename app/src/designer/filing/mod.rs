@@ -224,6 +224,7 @@ impl App {
             Purpose::OpenChart => self.load_chart(ctx, path),
             Purpose::OpenNap => self.load_nap(ctx, path),
             Purpose::OpenEnvironment => self.load_environment(ctx, path),
+            Purpose::OpenHeight => self.load_height(ctx, path),
             Purpose::SavePreset | Purpose::SaveBundle => self.save_chosen(ctx, path),
             Purpose::ExportPng | Purpose::ExportExr => {
                 self.filing.remember_folder(purpose.key(), &path);

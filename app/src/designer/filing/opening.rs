@@ -1,9 +1,9 @@
-//! Opening designs, charts and surroundings: read on a thread, taken over when they are whole.
+//! Opening designs and the images they name: read on a thread, taken over when they are whole.
 
 use std::path::{Path, PathBuf};
 
 use egui::Context;
-use renderer_core::design::{ChartImage, EnvironmentImage, EnvironmentKind};
+use renderer_core::design::{ChartImage, EnvironmentImage, EnvironmentKind, FormKind, HeightImage};
 
 use crate::designer::App;
 use crate::designer::command::Command;
@@ -19,6 +19,7 @@ pub(super) enum Loaded {
     Chart(PathBuf, Result<ChartImage, FileError>),
     Nap(PathBuf, Result<ChartImage, FileError>),
     Environment(PathBuf, Result<EnvironmentImage, FileError>),
+    Height(PathBuf, Result<HeightImage, FileError>),
 }
 
 impl App {
@@ -70,6 +71,16 @@ impl App {
         }));
     }
 
+    pub(in crate::designer) fn load_height(&mut self, ctx: &Context, path: PathBuf) {
+        self.filing
+            .remember_folder(Purpose::OpenHeight.key(), &path);
+        self.filing.loading = Some(Task::start(ctx, move || {
+            let path = std::path::absolute(&path).unwrap_or(path);
+            let picture = files::load_height(&path);
+            Loaded::Height(path, picture)
+        }));
+    }
+
     pub(in crate::designer) fn take_loaded(&mut self) {
         let Some(task) = &self.filing.loading else {
             return;
@@ -114,6 +125,17 @@ impl App {
             Some(Loaded::Environment(_, Err(error))) => {
                 self.notices
                     .error("Surroundings not opened", error.to_string());
+            }
+            Some(Loaded::Height(path, Ok(picture))) => {
+                let form = &mut self.document.design.form;
+                form.kind = FormKind::Height;
+                form.image = Some(path.to_string_lossy().into_owned());
+                form.pixels = Some(picture);
+                self.viewport.fit(&self.document.design);
+            }
+            Some(Loaded::Height(_, Err(error))) => {
+                self.notices
+                    .error("Height picture not opened", error.to_string());
             }
         }
     }

@@ -1,20 +1,24 @@
 //! Form: how the cloth lies in space.
 
-use egui::{DragValue, Ui};
-use renderer_core::design::{Design, Form, FormKind};
+use egui::{Color32, ColorImage, DragValue, Ui, vec2};
+use renderer_core::design::{Design, Form, FormKind, HeightImage};
 use renderer_core::scene::{Net, net_through};
 
 use super::Command;
-use crate::designer::widgets::{check, choice, number, row};
+use crate::designer::widgets::{Thumbnail, check, choice, number, row, show_thumbnail};
 
 /// Rows and columns of a net that is new.
 const NEW_NET: usize = 5;
 
-/// What the panel remembers: the point of the net whose place it shows.
+/// Longest side of the height picture as it is shown, points.
+const SIDE: f32 = 200.0;
+
+/// What the panel remembers: the point of the net whose place it shows, and the height picture.
 #[derive(Default)]
 pub struct State {
     row: usize,
     column: usize,
+    thumbnail: Thumbnail<HeightImage>,
 }
 
 /// Shows the panel.
@@ -59,11 +63,54 @@ pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design, commands: &mut 
             number(ui, &fields.gap, &mut form.gap);
         }
         FormKind::Net => net(ui, state, design),
+        FormKind::Height => height(ui, state, form, commands),
     }
     if design.form.kind != kind {
         // Another form is seldom where the last one was.
         commands.push(Command::Fit);
     }
+}
+
+/// The height picture: opening it, and how it looks.
+fn height(ui: &mut Ui, state: &mut State, form: &mut Form, commands: &mut Vec<Command>) {
+    let open = ui.button("Open height picture…");
+    let what =
+        "Chooses a grey picture, PNG or JPEG, that covers the cloth: the brighter, the higher.";
+    if open.on_hover_text(what).clicked() {
+        commands.push(Command::OpenHeight);
+    }
+    if let Some(picture) = &form.pixels {
+        let texture = state
+            .thumbnail
+            .texture(ui, "heights", picture.clone(), as_shown);
+        let size = vec2(picture.width() as f32, picture.height() as f32);
+        let size = (size * (SIDE / size.max_elem())).max(vec2(4.0, 4.0));
+        ui.add_space(2.0);
+        show_thumbnail(ui, &texture, size, "Height picture");
+        let path = form.image.as_deref().unwrap_or("not yet saved");
+        let name = std::path::Path::new(path)
+            .file_name()
+            .map_or_else(|| path.into(), |name| name.to_string_lossy());
+        let (width, height) = (picture.width(), picture.height());
+        ui.weak(format!("{name}, {width} × {height} px"))
+            .on_hover_text(path);
+    } else {
+        ui.weak("No picture yet: the cloth is shown as it lay before.");
+    }
+    number(ui, &Form::FIELDS.height, &mut form.height);
+    number(ui, &Form::FIELDS.smooth, &mut form.smooth);
+}
+
+/// The height picture at twice the shown size at most: of a large one every nth pixel.
+fn as_shown(picture: &HeightImage) -> ColorImage {
+    let step = picture
+        .width()
+        .max(picture.height())
+        .div_ceil(2 * SIDE as usize);
+    let size = [picture.width(), picture.height()].map(|side| side.div_ceil(step));
+    let grey = |k: usize| picture.row(k / size[0] * step)[k % size[0] * step];
+    let pixels = (0..size[0] * size[1]).map(|k| Color32::from_gray((grey(k) >> 8) as u8));
+    ColorImage::new(size, pixels.collect())
 }
 
 /// A net that leaves the cloth level.

@@ -50,7 +50,8 @@ impl App {
                 let design = &self.document.design;
                 let has_image = design.chart.pixels.is_some()
                     || design.nap.pixels.is_some()
-                    || design.light.environment.pixels.is_some();
+                    || design.light.environment.pixels.is_some()
+                    || design.form.pixels.is_some();
                 let ending = if has_image { BUNDLE_ENDING } else { "toml" };
                 let path = folder.join(format!("{name}.{ending}"));
                 if let Some(fault) = fault_of_name(&name) {

@@ -64,6 +64,9 @@ fn changed(design: &Design, path: &str, text: &str) -> Result<Design, String> {
     if new.nap.image == design.nap.image {
         new.nap.pixels.clone_from(&design.nap.pixels);
     }
+    if new.form.image == design.form.image {
+        new.form.pixels.clone_from(&design.form.pixels);
+    }
     let (old, new_environment) = (&design.light.environment, &mut new.light.environment);
     if new_environment.image == old.image {
         new_environment.pixels.clone_from(&old.pixels);

@@ -9,6 +9,7 @@
 //! Spaces: *sheet* is the flat cloth, *world* where it lies; `world_from_sheet`. In a tetrahedron a place is told in *shares* of
 //! its hexahedron, from 0 to 1 along x, y and z.
 
+mod height;
 mod net;
 mod profile;
 mod surface;
@@ -156,18 +157,23 @@ impl FormMesh {
                 if !is_sound {
                     let at = self.sheet_of(facet, DVec3::splat(0.5));
                     let [low, high] = self.heights;
-                    return Err(Fault {
-                        path: match form.kind {
-                            FormKind::Net => "form.net".into(),
-                            _ => "form.kind".into(),
-                        },
-                        value: format!(
-                            "{:?}, bent so sharply at {:.0}, {:.0} mm of the cloth that its pile, which stands from {low:.1} to {high:.1} mm, passes through itself",
-                            form.kind.name(),
-                            at.x,
-                            at.y,
+                    let gentler = "a form with gentler bends, or shorter pile";
+                    let (path, value, allowed) = match form.kind {
+                        FormKind::Net => ("form.net", format!("{:?}", form.kind.name()), gentler),
+                        FormKind::Height => (
+                            "form.height",
+                            form.height.to_string(),
+                            "less height, more of form.smooth, another form.image, or shorter pile",
                         ),
-                        allowed: "a form with gentler bends, or shorter pile".into(),
+                        _ => ("form.kind", format!("{:?}", form.kind.name()), gentler),
+                    };
+                    return Err(Fault {
+                        path: path.into(),
+                        value: format!(
+                            "{value}, bent so sharply at {:.0}, {:.0} mm of the cloth that its pile, which stands from {low:.1} to {high:.1} mm, passes through itself",
+                            at.x, at.y,
+                        ),
+                        allowed: allowed.into(),
                     });
                 }
             }
@@ -474,9 +480,10 @@ fn facet_blocks(
     sheet_at: impl Fn([u32; 2]) -> DVec2,
 ) -> u32 {
     let mut sharpest = 0.0_f64;
-    // Normals along some rows and columns: forms bend alike beside them.
+    // Normals along some rows and columns, where the form bends alike beside them.
+    let most_lines = if surface.bends_alike() { 16 } else { u32::MAX };
     for (rows, columns, across) in [(rows, columns, false), (columns, rows, true)] {
-        let every = rows.div_ceil(16).max(1);
+        let every = rows.div_ceil(most_lines).max(1);
         for line in (0..=rows).step_by(every as usize) {
             let normal = |index| {
                 let place = if across { [line, index] } else { [index, line] };

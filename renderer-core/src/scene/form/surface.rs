@@ -4,6 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::{DVec2, DVec3};
 
+use super::height::HeightMap;
 use super::net::Net;
 use super::profile::{Bend, Profile};
 use crate::design::{BentAlong, Fault, Form, FormKind};
@@ -36,11 +37,13 @@ enum Shape {
         steepest: f64,
     },
     Net(Net),
+    /// Raised as a picture is bright.
+    Height(HeightMap),
 }
 
 impl Surface {
     /// The surface of a form over a sheet of a size and some `margin` mm around it, whose pile stands between two heights;
-    /// `None` for a level one.
+    /// `None` for a level one, as that of a height picture that nobody has read.
     ///
     /// # Errors
     /// When the form has no room for the pile.
@@ -111,6 +114,10 @@ impl Surface {
                 }
             }
             FormKind::Net => Shape::Net(Net::new(&form.net)),
+            FormKind::Height => match &form.pixels {
+                None => return Ok(None),
+                Some(image) => Shape::Height(HeightMap::new(image, form.height, form.smooth, size)),
+            },
         };
         Ok(Some(Self { shape, along, size }))
     }
@@ -147,6 +154,7 @@ impl Surface {
                 let share = sheet / self.size + 0.5;
                 return net.at(share.x, share.y);
             }
+            Shape::Height(map) => return sheet.extend(map.height(sheet)),
         };
         match self.along {
             BentAlong::Warp => DVec3::new(across, way, up),
@@ -154,8 +162,16 @@ impl Surface {
         }
     }
 
+    /// Whether some rows and columns tell how sharply it is bent anywhere.
+    pub fn bends_alike(&self) -> bool {
+        !matches!(self.shape, Shape::Height(_))
+    }
+
     /// Unit normal of the front at (x, y) of the flat sheet.
     pub fn normal(&self, sheet: DVec2) -> DVec3 {
+        if let Shape::Height(map) = &self.shape {
+            return (-map.slope(sheet)).extend(1.0).normalize_or(DVec3::Z);
+        }
         let slope = |step: DVec2| self.point(sheet + step) - self.point(sheet - step);
         let along_x = slope(DVec2::new(STEP_MM, 0.0));
         let along_y = slope(DVec2::new(0.0, STEP_MM));

@@ -1,11 +1,10 @@
 //! Small scenes that show everything: fat leaning loops on both faces, yarns, gaps, edges of the sheet.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use renderer_core::design::{Back, Design, Method, Pattern};
-use renderer_core::render::{Camera, RenderRequest, Settings};
-use renderer_core::scene::compile;
+use renderer_core::render::{Camera, Extent, RenderRequest, Settings, Sight};
+use renderer_core::scene::{Cancel, Compiler};
 
 /// A towel of 12 × 10 crossings in several colours of loop, some left bare, with thin yarns that leave gaps.
 pub fn small_towel() -> Design {
@@ -26,9 +25,20 @@ pub fn small_towel() -> Design {
 
 /// A picture of a design by its first camera.
 pub fn request(design: &Design, size: [u32; 2]) -> RenderRequest {
+    let camera = Camera::from_design(&design.view.cameras[0]);
+    let (extent, never) = (Extent::LIVE, Cancel::never());
+    let sight = Sight::new(
+        &mut Compiler::default(),
+        design,
+        &camera,
+        size,
+        extent,
+        &never,
+    );
+    let Sight { scene, camera } = sight.unwrap();
     RenderRequest {
-        scene: Arc::new(compile(design).unwrap()),
-        camera: Camera::from_design(&design.view.cameras[0]),
+        scene,
+        camera,
         size,
         crop: [0, 0, size[0], size[1]],
         settings: Settings::from(&design.quality),

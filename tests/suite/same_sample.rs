@@ -53,7 +53,7 @@ pub fn compare_presets(
                 // ray finds: one that was looked into is at an edge of the shadow ray.
                 let traced = method != Method::Layered;
                 let agreement = if is_bent && backend.kind() == BackendKind::Gpu {
-                    nearly_same(&expected, &drawn)
+                    nearly_same(&expected, &drawn, 0.01)
                 } else {
                     same_picture(&request, &expected, &drawn, most_flips, traced)
                         .map(|found| eprintln!("{what}: {found:?}"))

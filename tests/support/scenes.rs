@@ -52,8 +52,9 @@ pub fn preset_path(name: &str) -> PathBuf {
 
 /// Presets that ask nothing of a renderer that another does not: the same cloth in another light, another bend, another kind of
 /// pile in the same volumes. Short tests draw them all the same.
-const LIKE_ANOTHER: [&str; 13] = [
+const LIKE_ANOTHER: [&str; 14] = [
     "draped-net",
+    "endless-carpet",
     "folded-stack",
     "grass",
     "noon",

@@ -56,6 +56,39 @@ impl Table {
 }
 
 #[test]
+fn distances_are_compared_with_the_whole_cloth() {
+    let folder = folder();
+    let what = ["bench", "plain.toml", "-o", "out", "--what", "distances"];
+    let output = run(
+        folder.path(),
+        &[&what[..], &["--budget", "60", "--backend", "cpu"]].concat(),
+    );
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{errors}");
+    let distances = Table::read(&folder.path().join("out/distances.csv"));
+    let measured = distances.column("measured");
+    let is_measured = measured.iter().take_while(|found| **found == "yes").count();
+    assert!(is_measured >= 2, "{measured:?}");
+    let numbers = |name: &str| distances.column(name)[..is_measured].to_vec();
+    let number = |text: &str| text.parse::<f64>().unwrap();
+    for (cells, halvings) in numbers("cells a pixel").iter().zip(numbers("halvings")) {
+        // Four loops along each side of a pixel are left.
+        let left = number(cells) / 2.0_f64.powf(number(halvings));
+        assert!((2.0..8.5).contains(&left), "{cells} {halvings}");
+    }
+    for brightness in numbers("brightness over the whole cloth's") {
+        assert!((0.8..1.25).contains(&number(brightness)), "{brightness}");
+    }
+    let [bytes, of_whole] = ["bytes", "bytes of the whole cloth"].map(numbers);
+    assert!(
+        bytes
+            .iter()
+            .zip(&of_whole)
+            .all(|(part, whole)| number(part) < number(whole))
+    );
+}
+
+#[test]
 fn every_part_writes_its_table_and_plots() {
     let folder = folder();
     let out = folder.path().join("out");

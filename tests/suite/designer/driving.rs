@@ -100,7 +100,7 @@ pub(crate) fn wait(
     let start = Instant::now();
     while !done(harness) {
         assert!(
-            start.elapsed() < Duration::from_secs(30),
+            start.elapsed() < Duration::from_secs(90),
             "{what} has not come"
         );
         std::thread::sleep(Duration::from_millis(5));

@@ -8,6 +8,7 @@
 //! first-picture  from each kind of edit to the first picture in the window
 //! lights         each kind of light on the same cloth: time and noise
 //! forms          the same cloth bent in each way: time and noise
+//! distances      a large cloth from farther and farther: excerpts beside the whole
 //! costs          the stages between an edit and a whole picture: which is the largest
 //! ```
 //!
@@ -17,6 +18,7 @@
 pub mod backends;
 pub mod costs;
 pub mod csv;
+pub mod distances;
 mod drawing;
 pub mod first_picture;
 pub mod growth;
@@ -118,6 +120,8 @@ pub struct Measured {
     pub lights: Vec<variants::Line>,
     /// For each form.
     pub forms: Vec<variants::Line>,
+    /// For each distance.
+    pub distances: Vec<distances::Line>,
     /// For each stage.
     pub costs: Vec<costs::Cost>,
 }
@@ -229,6 +233,9 @@ impl Bench<'_> {
                 Part::Forms => {
                     let forms = variants::forms(design);
                     measured.forms = variants::measure(forms, backend, conditions, until, say)?;
+                }
+                Part::Distances => {
+                    measured.distances = distances::measure(design, backend, until, say)?;
                 }
                 Part::Costs => {
                     let window = conditions.window;

@@ -19,13 +19,15 @@ pub enum Part {
     Lights,
     /// The same cloth bent in each way: time and noise.
     Forms,
+    /// A large cloth from farther and farther: excerpts of it beside the whole.
+    Distances,
     /// Where the time from an edit to a whole picture goes.
     Costs,
 }
 
 impl Part {
     /// All of them, in the order in which they are measured.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Errors,
         Self::Skips,
         Self::Backends,
@@ -33,6 +35,7 @@ impl Part {
         Self::FirstPicture,
         Self::Lights,
         Self::Forms,
+        Self::Distances,
         Self::Costs,
     ];
 
@@ -41,7 +44,7 @@ impl Part {
         match self {
             Self::Errors => 6.0,
             Self::Skips | Self::Growth | Self::FirstPicture => 4.0,
-            Self::Backends | Self::Lights | Self::Forms | Self::Costs => 2.0,
+            Self::Backends | Self::Lights | Self::Forms | Self::Distances | Self::Costs => 2.0,
         }
     }
 }

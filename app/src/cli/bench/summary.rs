@@ -10,7 +10,9 @@ use super::measure::{Character, Findings, Row};
 use super::pareto::{self, Point};
 use super::plan::TRUTH;
 use super::truth::Known;
-use super::{Conditions, Measured, backends, costs, first_picture, growth, skips, variants};
+use super::{
+    Conditions, Measured, backends, costs, distances, first_picture, growth, skips, variants,
+};
 use crate::clock;
 
 /// Errors for which the best setting is named, relRMSE.
@@ -83,6 +85,10 @@ fn parts(conditions: &Conditions, measured: &Measured) -> String {
     if !measured.forms.is_empty() {
         let section = variants::section("form", &measured.forms, conditions);
         add("each form", section);
+    }
+    if !measured.distances.is_empty() {
+        let section = distances::section(&measured.distances);
+        add("a large cloth from farther and farther", section);
     }
     if let Some(found) = &measured.first_pictures {
         let section = first_picture::section(found);

@@ -5,7 +5,8 @@ use std::path::Path;
 use super::parts::Part;
 use super::plot::{Figure, Plot};
 use super::{
-    Conditions, Measured, backends, costs, csv, first_picture, growth, skips, summary, variants,
+    Conditions, Measured, backends, costs, csv, distances, first_picture, growth, skips, summary,
+    variants,
 };
 use crate::files;
 
@@ -19,6 +20,7 @@ fn table_name(part: Part) -> &'static str {
         Part::FirstPicture => "first-picture.csv",
         Part::Lights => "lights.csv",
         Part::Forms => "forms.csv",
+        Part::Distances => "distances.csv",
         Part::Costs => "costs.csv",
     }
 }
@@ -48,6 +50,7 @@ pub fn write(
             Part::FirstPicture => first_picture::csv(all),
             Part::Lights => variants::csv("light", all, |measured| &measured.lights, conditions),
             Part::Forms => variants::csv("form", all, |measured| &measured.forms, conditions),
+            Part::Distances => distances::csv(all),
             Part::Costs => costs::csv(all),
         };
         files::write_atomically(&folder.join(table_name(*part)), text.as_bytes())?;

@@ -269,8 +269,11 @@ impl Compiler {
         let start = Instant::now();
         self.report = CompileReport::default();
         let mut faults = whole.faults();
-        if excerpt.is_none() && faults.is_empty() {
-            faults.extend(whole.sheet.fault_of_all_cells());
+        let all_cells = whole.sheet.fault_of_all_cells();
+        if let (None, Some(fault)) = (excerpt, all_cells)
+            && faults.iter().all(|other| other.path != fault.path)
+        {
+            faults.push(fault);
         }
         if !faults.is_empty() {
             return Err(CompileError::Invalid(faults));

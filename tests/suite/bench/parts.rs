@@ -100,7 +100,7 @@ fn every_part_writes_its_table_and_plots() {
             "-o",
             "out",
             "--what",
-            "costs,skips,backends,growth,first-picture,lights,forms",
+            "costs,skips,backends,growth,first-picture,lights,piles,forms",
             "--size",
             "24x20",
             "--window",
@@ -132,6 +132,7 @@ fn every_part_writes_its_table_and_plots() {
         "growth",
         "lights",
         "forms",
+        "piles",
         "skips",
     ];
     expected.extend(tables.map(|table| format!("{table}.csv")));
@@ -155,6 +156,8 @@ fn every_part_writes_its_table_and_plots() {
     let forms = Table::read(&out.join("forms.csv"));
     assert_eq!(forms.column("measured")[0], "yes");
     assert_eq!(forms.column("form").len(), 7);
+    let piles = Table::read(&out.join("piles.csv"));
+    assert_eq!(piles.column("measured"), ["yes"; 10]);
     let lights = Table::read(&out.join("lights.csv"));
     assert_eq!(lights.column("measured"), ["yes"; 6]);
     let noise = lights.numbers("noise of these [relRMSE]");

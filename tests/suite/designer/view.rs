@@ -450,6 +450,56 @@ fn what_lies_under_the_pointer_is_read_out() {
 }
 
 #[test]
+fn cloth_without_end_is_made_where_one_looks() {
+    let preset = crate::support::scenes::preset_path("endless-carpet");
+    let mut harness = designer(Some(preset));
+    let excerpt = |h: &Harness<'_, App>| {
+        let scene = h.state().viewport().shown().scene.as_ref();
+        scene.and_then(|scene| scene.sheet.excerpt)
+    };
+    wait(&mut harness, "the picture", |h| {
+        h.state().viewport().shown().progress.done
+    });
+    let here = excerpt(&harness).expect("an excerpt");
+    assert!(here.halvings == 0 && here.len() < 200_000, "{here:?}");
+    let middle = picture_rect(&harness).center();
+    harness.hover_at(middle);
+    harness.run_steps(4);
+    let readout = *harness.state().viewport().readout().expect("a readout");
+    // The camera looks at the middle of the cloth's plane, and its ray goes through that of the pile a little before it.
+    assert!((4980..5020).contains(&readout.cell[0]) && (4980..5020).contains(&readout.cell[1]));
+    assert!(readout.loop_mm.is_some());
+
+    // A little beside it is the same scene; farther away another.
+    let by = |harness: &mut Harness<'_, App>, by: Vec2| {
+        scroll(harness, by, true, Modifiers::NONE);
+        harness.run_steps(4);
+    };
+    by(&mut harness, vec2(4.0, 0.0));
+    assert_eq!(excerpt(&harness), Some(here));
+    for _ in 0..4 {
+        by(&mut harness, vec2(-400.0, 0.0));
+    }
+    wait(&mut harness, "cloth farther right", |h| {
+        excerpt(h).is_some_and(|there| there.first[0] > here.first[0])
+    });
+    harness.hover_at(middle);
+    harness.run_steps(4);
+    let there = *harness.state().viewport().readout().expect("a readout");
+    assert!(there.cell[0] > readout.cell[0] + 100 && there.cell[1] < readout.cell[1] + 20);
+
+    // From afar it is coarser, and no larger than a picture needs.
+    for _ in 0..6 {
+        harness.event(Event::Zoom(0.5));
+        harness.run_steps(3);
+    }
+    wait(&mut harness, "the carpet from afar", |h| {
+        excerpt(h).is_some_and(|excerpt| excerpt.halvings > 0)
+    });
+    assert!(excerpt(&harness).is_some_and(|excerpt| excerpt.len() <= 1 << 20));
+}
+
+#[test]
 fn the_hint_goes_with_the_first_gesture_and_does_not_come_back() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut harness = designer_with_folders(folder.path());

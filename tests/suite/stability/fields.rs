@@ -314,7 +314,7 @@ fn too_large_is_told_before_memory_is_asked_for() {
     let start = Instant::now();
     for (edits, says) in [
         (
-            [("sheet.warps", "100000"), ("sheet.wefts", "1000")],
+            [("sheet.warps", "100000"), ("sheet.wefts", "100000")],
             "sheet.wefts",
         ),
         (

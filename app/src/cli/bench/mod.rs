@@ -7,6 +7,7 @@
 //! growth         loops from a thousand to a million, and pixels
 //! first-picture  from each kind of edit to the first picture in the window
 //! lights         each kind of light on the same cloth: time and noise
+//! piles          the same cloth with each kind of pile, and after each finish: time and noise
 //! forms          the same cloth bent in each way: time and noise
 //! distances      a large cloth from farther and farther: excerpts beside the whole
 //! costs          the stages between an edit and a whole picture: which is the largest
@@ -118,6 +119,8 @@ pub struct Measured {
     pub first_pictures: Option<first_picture::FirstPictures>,
     /// For each kind of light.
     pub lights: Vec<variants::Line>,
+    /// For each kind of pile and each finish.
+    pub piles: Vec<variants::Line>,
     /// For each form.
     pub forms: Vec<variants::Line>,
     /// For each distance.
@@ -229,6 +232,10 @@ impl Bench<'_> {
                 Part::Lights => {
                     let lights = variants::lights(design);
                     measured.lights = variants::measure(lights, backend, conditions, until, say)?;
+                }
+                Part::Piles => {
+                    let piles = variants::piles(design);
+                    measured.piles = variants::measure(piles, backend, conditions, until, say)?;
                 }
                 Part::Forms => {
                     let forms = variants::forms(design);

@@ -17,6 +17,8 @@ pub enum Part {
     FirstPicture,
     /// Kinds of light on the same cloth: time and noise.
     Lights,
+    /// The same cloth with each kind of pile, and after each finish: time and noise.
+    Piles,
     /// The same cloth bent in each way: time and noise.
     Forms,
     /// A large cloth from farther and farther: excerpts of it beside the whole.
@@ -27,13 +29,14 @@ pub enum Part {
 
 impl Part {
     /// All of them, in the order in which they are measured.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Errors,
         Self::Skips,
         Self::Backends,
         Self::Growth,
         Self::FirstPicture,
         Self::Lights,
+        Self::Piles,
         Self::Forms,
         Self::Distances,
         Self::Costs,
@@ -44,7 +47,12 @@ impl Part {
         match self {
             Self::Errors => 6.0,
             Self::Skips | Self::Growth | Self::FirstPicture => 4.0,
-            Self::Backends | Self::Lights | Self::Forms | Self::Distances | Self::Costs => 2.0,
+            Self::Backends
+            | Self::Lights
+            | Self::Piles
+            | Self::Forms
+            | Self::Distances
+            | Self::Costs => 2.0,
         }
     }
 }

@@ -82,6 +82,10 @@ fn parts(conditions: &Conditions, measured: &Measured) -> String {
         let section = variants::section("light", &measured.lights, conditions);
         add("each kind of light", section);
     }
+    if !measured.piles.is_empty() {
+        let section = variants::section("pile", &measured.piles, conditions);
+        add("each kind of pile, and each finish", section);
+    }
     if !measured.forms.is_empty() {
         let section = variants::section("form", &measured.forms, conditions);
         add("each form", section);

@@ -1,4 +1,4 @@
-//! What the same cloth costs in other light and bent in other ways: a sample's time, the noise of some samples, and from both the
+//! What the same cloth costs in other light, bent in other ways, with pile of other kinds and after what is done to it: a sample's time, the noise of some samples, and from both the
 //! time to a given noise.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -6,8 +6,8 @@ use std::fmt::Write as _;
 use std::time::{Duration, Instant};
 
 use renderer_core::design::{
-    AreaLight, Design, Environment, EnvironmentImage, EnvironmentKind, EnvironmentReader, Form,
-    FormKind, HeightImage, Light, Sun,
+    AreaLight, Design, Environment, EnvironmentImage, EnvironmentKind, EnvironmentReader, Finish,
+    Form, FormKind, HeightImage, Light, PileKind, Sheared, Sun, nap_edit,
 };
 use renderer_core::render::Backend;
 use renderer_core::scene::{Compiler, net_through};
@@ -27,7 +27,7 @@ const WANTED: f64 = 0.05;
 /// How long a picture may take even where there is no time.
 const LONGEST: Duration = Duration::from_secs(2);
 
-/// A light or a form, and what became of measuring it.
+/// A light, a form or a pile, and what became of measuring it.
 #[derive(Debug, Clone)]
 pub struct Line {
     /// Which.
@@ -117,6 +117,40 @@ pub fn forms(design: &Design) -> Vec<(&'static str, Design)> {
         bent("a stack of two layers", of_kind(FormKind::Stack)),
         bent("a hill by a height picture", picture),
     ]
+}
+
+/// The preset's own pile, then all of it of each kind, then what is done to its own.
+pub fn piles(design: &Design) -> Vec<(&'static str, Design)> {
+    let own = || design.clone();
+    let mut all = vec![("the preset's own", own())];
+    for &kind in PileKind::ALL {
+        let mut design = own();
+        design.pile.kind = kind;
+        design
+            .length
+            .table
+            .iter_mut()
+            .for_each(|row| row.kind = None);
+        all.push((kind.label(), design));
+    }
+    let mut done = |name, change: &dyn Fn(&mut Design)| {
+        let mut design = own();
+        design.finish = Finish::default();
+        change(&mut design);
+        all.push((name, design));
+    };
+    done("shorn on the front", &|design| {
+        design.finish.sheared = Sheared::Front;
+        let least = Finish::FIELDS.shear_height.min;
+        design.finish.shear_height = (0.6 * design.length.longest()).max(least);
+    });
+    done("a tenth of it pulled", &|design| design.finish.pulled = 0.1);
+    done("soaked", &|design| design.finish.wetness = 1.0);
+    done("combed in lanes", &|design| {
+        let upright = nap_edit::upright(&design.sheet);
+        design.nap.pixels = upright.map(|map| nap_edit::stripes(&map, &design.sheet));
+    });
+    all
 }
 
 /// The preset's own light, then each kind alone.
@@ -243,7 +277,7 @@ pub fn measure(
 const COLUMNS: &str = "measured,clock time of a sample [s],processor time of a sample [s],samples,\
     noise of these [relRMSE],time to a noise of 0.05 [s]";
 
-/// The file of `what`, light or form.
+/// The file of `what`: light, form or pile.
 pub fn csv(
     what: &str,
     all: &[Measured],

@@ -157,7 +157,7 @@ fn every_part_writes_its_table_and_plots() {
     assert_eq!(forms.column("measured")[0], "yes");
     assert_eq!(forms.column("form").len(), 7);
     let piles = Table::read(&out.join("piles.csv"));
-    assert_eq!(piles.column("measured"), ["yes"; 10]);
+    assert_eq!(piles.column("measured"), ["yes"; 9]);
     let lights = Table::read(&out.join("lights.csv"));
     assert_eq!(lights.column("measured"), ["yes"; 6]);
     let noise = lights.numbers("noise of these [relRMSE]");

@@ -119,7 +119,7 @@ pub fn forms(design: &Design) -> Vec<(&'static str, Design)> {
     ]
 }
 
-/// The preset's own pile, then all of it of each kind, then what is done to its own.
+/// The preset's own pile, then all of it of each other kind, then what is done to its own.
 pub fn piles(design: &Design) -> Vec<(&'static str, Design)> {
     let own = || design.clone();
     let mut all = vec![("the preset's own", own())];
@@ -131,7 +131,9 @@ pub fn piles(design: &Design) -> Vec<(&'static str, Design)> {
             .table
             .iter_mut()
             .for_each(|row| row.kind = None);
-        all.push((kind.label(), design));
+        if design != own() {
+            all.push((kind.label(), design));
+        }
     }
     let mut done = |name, change: &dyn Fn(&mut Design)| {
         let mut design = own();

@@ -65,7 +65,7 @@ pub fn compare_presets(
 }
 
 #[test]
-#[ignore = "long: about 90 s"]
+#[ignore = "long: minutes on software Vulkan"]
 fn unlike_presets_are_the_same_picture_on_both_sides() {
     // Whole pictures of these take software Vulkan minutes each: the test below draws a part of them.
     let in_part = ["fur", "hanging-towel", "velour-bath", "velvet"].map(preset_path);

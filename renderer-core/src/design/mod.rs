@@ -176,22 +176,22 @@ impl Design {
         self.push_area_faults(faults);
     }
 
-    /// What is wrong with the cloth's size: only level cloth whose loops do not depend on each other is made in excerpts.
+    /// Whether part of the cloth can be made without the rest: level cloth whose loops do not depend on each other.
+    pub fn has_parts(&self) -> bool {
+        self.form.kind == FormKind::Flat && !self.turbulence.is_filtered()
+    }
+
+    /// What is wrong with the cloth's size: only cloth that has parts is made in excerpts.
     fn fault_of_size(&self) -> Option<Fault> {
-        let (most, unless) = if self.form.kind != FormKind::Flat {
-            (
-                Sheet::MAX_CELLS_AT_ONCE,
-                "; more when form.kind is \"flat\"",
-            )
-        } else if self.turbulence.is_filtered() {
-            (
-                Sheet::MAX_CELLS_AT_ONCE,
-                "; more when turbulence.filter is \"none\"",
-            )
+        if self.has_parts() {
+            return self.sheet.fault_of_cells(Sheet::MAX_CELLS, "");
+        }
+        let unless = if self.form.kind == FormKind::Flat {
+            "; more when turbulence.filter is \"none\""
         } else {
-            (Sheet::MAX_CELLS, "")
+            "; more when form.kind is \"flat\""
         };
-        self.sheet.fault_of_cells(most, unless)
+        self.sheet.fault_of_cells(Sheet::MAX_CELLS_AT_ONCE, unless)
     }
 
     /// Faults of area lights that stand in the cloth: what lies behind one would be in the way of rays to it.

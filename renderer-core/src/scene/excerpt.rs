@@ -14,7 +14,7 @@
 use glam::DVec3;
 
 use super::SheetGeometry;
-use crate::design::{Design, FormKind, Pattern};
+use crate::design::{Design, Pattern};
 use crate::render::{Camera, Projection};
 use crate::sampling::hash_with;
 
@@ -41,9 +41,7 @@ impl Excerpt {
     /// Whether cloth is made in excerpts.
     pub fn is_needed(design: &Design) -> bool {
         let [warps, wefts] = [design.sheet.warps, design.sheet.wefts].map(f64::from);
-        warps * wefts > Self::WHOLE_CELLS
-            && design.form.kind == FormKind::Flat
-            && !design.turbulence.is_filtered()
+        warps * wefts > Self::WHOLE_CELLS && design.has_parts()
     }
 
     /// Warps and wefts of a cloth after some halvings; what cannot be halved is rounded up.

@@ -50,10 +50,13 @@ impl Tracer {
         scratch.counters.rays += 1;
         let limit = -(xi.ln() as f32);
         let mut depth = 0.0;
-        self.way(ray, start).find_map(|stretch| {
+        for stretch in self.way(ray, start) {
             let vertex = self.first_event_of::<L>(&stretch, limit, &mut depth, scratch);
-            vertex.map(|vertex| stretch.place(vertex))
-        })
+            if let Some(vertex) = vertex {
+                return Some(stretch.place(vertex));
+            }
+        }
+        None
     }
 
     /// The same in one stretch of the ray: where `depth`, which grows, exceeds a limit.

@@ -54,10 +54,13 @@ impl Tracer {
         scratch: &mut Scratch,
     ) -> Option<Vertex> {
         scratch.counters.rays += 1;
-        self.way(ray, start).find_map(|stretch| {
+        for stretch in self.way(ray, start) {
             let vertex = self.collision_in::<L>(&stretch, pcg, scratch);
-            vertex.map(|vertex| stretch.place(vertex))
-        })
+            if let Some(vertex) = vertex {
+                return Some(stretch.place(vertex));
+            }
+        }
+        None
     }
 
     /// The same in one stretch of the ray. Free paths have no memory: each stretch begins another.

@@ -38,6 +38,12 @@ struct Slice {
     step: f32,
     // First samples whose shadows may come from a cache, with CACHED_SHADOWS.
     cached_shadows: u32,
+    // With LEVELS: the level of detail that is drawn, the picture's last one, how fine the whole picture's first row of pixels
+    // needs the cloth, and how much finer the next does.
+    level: u32,
+    last_level: u32,
+    first_row_fineness: f32,
+    fineness_per_row: f32,
     // Texels of the cache along x, y and z; lights.
     shadow_texels: vec4<u32>,
     // Its texels are 1 / shadow_per_cell cells wide where that is above 1, else 1 << shadow_shift cells.

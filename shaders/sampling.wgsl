@@ -62,6 +62,7 @@ fn unit_float(bits: u32) -> f32 {
 
 // Which numbers serve what (sampling::Set).
 const SET_FILM: u32 = 0u;
+const SET_LEVEL: u32 = 1u;
 const SET_ENVIRONMENT: u32 = 8u;
 const SET_ONWARD: u32 = 9u;
 const SET_FIRST_AREA: u32 = 10u;

@@ -74,7 +74,7 @@ struct SceneConstants {
     per_slice: f32,
     // Volumes of each kind of pile.
     variants: u32,
-    // Size of the loop that the volumes were made for, along u, v, w; w unused.
+    // Size of the loop that the volumes were made for, along u, v, w; w: how many mm of the cloth one of the scene's is.
     reference_size: vec4<f32>,
     // Highest density of any material, 1/mm.
     max_density: f32,

@@ -91,6 +91,8 @@ override DRAWN_SKY: bool = false;
 override CACHED_SHADOWS: bool = false;
 // The cloth is bent, or pulled by a net.
 override BENT: bool = false;
+// The picture shows the cloth at several levels of detail.
+override LEVELS: bool = false;
 // Also accumulate depth, normal and albedo.
 override AOV: bool = false;
 // Count rays, cells and tests.

@@ -204,6 +204,8 @@ struct Place {
     is_inside: bool,
     // Its tile's place among those that are drawn.
     drawn_tile: u32,
+    // Its row in the whole picture.
+    row: u32,
     in_tile: vec2<u32>,
     seed: u32,
     first_sum: u32,
@@ -217,6 +219,7 @@ fn place_of(thread: u32) -> Place {
     return Place(
         drawn_tile < slice.end_tile && all(in_picture < slice.size),
         drawn_tile,
+        slice.corner.y + in_picture.y,
         in_tile,
         pixel_seed(slice.seed, slice.corner + in_picture),
         sum_index(tile, in_tile),
@@ -245,6 +248,11 @@ fn trace_main(@builtin(global_invocation_id) id: vec3<u32>) {
         albedo = sums[first_sum + SUM_ALBEDO];
     }
     for (var sample = slice.first_sample; sample < slice.end_sample; sample++) {
+        if LEVELS {
+            if level_of(place.row, place.seed, sample) != slice.level {
+                continue;
+            }
+        }
         let film = sample_set(place.seed, sample, SET_FILM);
         let camera = film_ray(place, film.xy);
         let path = trace_path(camera.ray, film, place.seed, sample);
@@ -256,7 +264,7 @@ fn trace_main(@builtin(global_invocation_id) id: vec3<u32>) {
         if AOV && met {
             let normal = world_from_sheet(turn_at(path.first), path.first.normal);
             let facing = select(-1.0, 1.0, dot(normal, camera.ray.direction) <= 0.0) * normal;
-            normal_depth += vec4<f32>(facing, camera.from_eye + path.first.t);
+            normal_depth += vec4<f32>(facing, (camera.from_eye + path.first.t) * scene.reference_size.w);
             albedo += vec4<f32>(path.first.albedo, 1.0);
         }
     }

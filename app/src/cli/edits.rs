@@ -12,7 +12,7 @@ use std::time::Duration;
 use anyhow::anyhow;
 use clap::Args;
 use renderer_core::design::{Design, Method};
-use renderer_core::render::{Backend, Camera, RenderRequest, Settings};
+use renderer_core::render::{Backend, Camera, Levels, RenderRequest, Settings};
 use renderer_core::scene::Compiler;
 use serde::Serialize;
 
@@ -104,6 +104,7 @@ impl Session {
         let request = RenderRequest {
             scene: Arc::clone(&scene),
             camera,
+            levels: Levels::default(),
             size: self.size,
             crop: [0, 0, width, height],
             settings: Settings {

@@ -5,17 +5,16 @@
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use renderer_core::design::{Design, Method, Quality};
 use renderer_core::image::{Background, Depth, Display, ExrLayer};
-use renderer_core::render::{Camera, Extent, Settings, Sight, Skip, Skips};
+use renderer_core::render::{Camera, ClothMaker, Extent, LevelPlan, Settings, Skip, Skips};
 use renderer_core::scene::{self, Cancel, Compiler};
 
-use super::stats::{Bytes, Seconds, Stats, scene_bytes};
+use super::stats::{Bytes, Seconds, Stats, cloth_bytes};
 use super::{BadArgument, arguments};
 use crate::backend::{self, BackendChoice};
 use crate::files::{self, Opened};
@@ -121,31 +120,23 @@ pub fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
     }
     seconds.open = start.elapsed().as_secs_f64();
 
-    let mut compiler = Compiler::new(skips(arguments));
-    let Sight { scene, camera } = timed(&mut seconds.compile, || {
-        let cancel = Cancel::never();
-        Sight::new(
-            &mut compiler,
-            design,
-            &camera,
-            arguments.size,
-            Extent::FINAL,
-            &cancel,
-        )
+    let mut maker = ClothMaker::new(Compiler::new(skips(arguments)));
+    let plan = LevelPlan::new(design, &camera, arguments.size, Extent::FINAL, None);
+    let cloth = timed(&mut seconds.compile, || {
+        maker.make(design, plan, &Cancel::never())
     })?;
     if !arguments.quiet {
         for warning in &opened.warnings {
             eprintln!("warning: {warning}");
         }
-        for warning in scene::warnings(design, &scene) {
+        for warning in scene::warnings(design, &cloth.nearest) {
             eprintln!("warning: {warning}");
         }
     }
 
     let [width, height] = arguments.size;
     let order = Order {
-        scene: Arc::clone(&scene),
-        camera,
+        sight: cloth.sight(design, &camera, arguments.size),
         size: arguments.size,
         crop: arguments.crop.unwrap_or([0, 0, width, height]),
         settings: settings(design, arguments, &format),
@@ -205,17 +196,17 @@ pub fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
             crop: order.crop,
             samples: made.samples,
             bands: made.bands,
-            loops: scene.loops.counts.planted,
-            dropped_loops: scene.loops.counts.dropped,
-            compile: (*compiler.last_report()).into(),
+            loops: cloth.counts().planted,
+            dropped_loops: cloth.counts().dropped,
+            compile: maker.last_report().into(),
             seconds,
             processor_seconds: made.render.processor.map(|time| time.as_secs_f64()),
             counters,
             error_estimate: made.error_estimate,
             nonfinite_pixels,
             bytes: Bytes {
-                scene: scene_bytes(&scene),
-                per_loop: scene.loops.bytes_per_loop(),
+                scene: cloth_bytes(&cloth),
+                per_loop: cloth.nearest.loops.bytes_per_loop(),
                 gpu_total: match kind {
                     renderer_core::render::BackendKind::Gpu => made.device_bytes,
                     _ => 0,

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use anyhow::anyhow;
 use renderer_core::design::{CameraDesign, Design};
 use renderer_core::image::Display;
-use renderer_core::render::{Backend, Camera, RenderRequest, Sight};
+use renderer_core::render::{Backend, Camera};
 
 use super::render_thread::{Activity, RenderThread};
 use super::renderer::for_window;
@@ -168,22 +168,14 @@ impl Bystander {
         seed: u32,
         deadline: Instant,
     ) -> anyhow::Result<Option<Spent>> {
-        let scene = self.thread.shown().scene;
+        let cloth = self.thread.shown().cloth;
         let size = self.wish.size;
         let mut settings = self.wish.light.settings(&self.wish.design);
         settings.seed = seed;
-        let Sight { scene, camera } = Sight::of(
-            scene.ok_or_else(|| anyhow!("nothing was shown"))?,
-            &self.wish.design,
-            &Camera::from_design(&self.wish.camera),
-        );
-        let request = RenderRequest {
-            scene,
-            camera,
-            size,
-            crop: [0, 0, size[0], size[1]],
-            settings,
-        };
+        let cloth = cloth.ok_or_else(|| anyhow!("nothing was shown"))?;
+        let camera = Camera::from_design(&self.wish.camera);
+        let sight = cloth.sight(&self.wish.design, &camera, size);
+        let request = sight.request(size, settings);
         workers::with_all(|| backend.begin(&request))?;
         let never = AtomicBool::new(false);
         let mut spent = Spent::zero();

@@ -17,8 +17,8 @@ use egui::{Color32, ColorImage};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use renderer_core::design::{CameraDesign, Design};
 use renderer_core::image::{Display, Picture};
-use renderer_core::render::{Backend, Camera, Extent, RenderRequest, Sight};
-use renderer_core::scene::{Cancel, CompileError, Compiler};
+use renderer_core::render::{Backend, Camera, ClothMaker, Extent, RenderRequest, Sight};
+use renderer_core::scene::{Cancel, CompileError};
 
 use super::live_light::LiveLight;
 use super::render_thread::Hurry;
@@ -350,27 +350,21 @@ impl Work {
         let is_unwanted = || shared.interrupt.load(Ordering::Relaxed) && shared.is_unwanted(key);
         let cancel = Cancel::when(&is_unwanted);
         let made = Sight::new(
-            &mut Compiler::default(),
+            &mut ClothMaker::default(),
             design,
             &Camera::from_design(&subject.camera),
             self.size,
             Extent::LIVE,
             &cancel,
         );
-        let Sight { scene, camera } = match made {
+        let sight = match made {
             Ok(sight) => sight,
             Err(CompileError::Cancelled) => return Ok(None),
             Err(error) => return Err(error.to_string()),
         };
         let mut settings = LiveLight::Fast.settings(design);
         (settings.samples, settings.error) = (self.samples, 0.0);
-        let request = RenderRequest {
-            scene,
-            camera,
-            size: self.size,
-            crop: [0, 0, self.size[0], self.size[1]],
-            settings,
-        };
+        let request = sight.request(self.size, settings);
         let mut begun = Begun {
             backend: make(BackendChoice::Cpu).map_err(|error| error.to_string())?,
             request,

@@ -12,7 +12,6 @@ mod bands;
 mod time_left;
 
 use std::path::Path;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -21,8 +20,7 @@ use renderer_core::image::{
     write_exr_rows, write_png_rows,
 };
 use renderer_core::render::progressive::check_size;
-use renderer_core::render::{Backend, Camera, Counters, RenderError, RenderRequest, Settings};
-use renderer_core::scene::Scene;
+use renderer_core::render::{Backend, Counters, RenderError, RenderRequest, Settings, Sight};
 
 use crate::clock::{Spent, timed};
 use crate::files::{self, Draft, FileError};
@@ -41,10 +39,8 @@ pub enum Format {
 /// A picture to make.
 #[derive(Debug, Clone)]
 pub struct Order {
-    /// The cloth and its light.
-    pub scene: Arc<Scene>,
-    /// From where it is seen.
-    pub camera: Camera,
+    /// The cloth and its light, and from where it is seen.
+    pub sight: Sight,
     /// Width and height of the whole picture, pixels.
     pub size: [u32; 2],
     /// The part to make: x, y, width, height.
@@ -245,12 +241,10 @@ impl Work<'_> {
         crop: [u32; 4],
         tell: &mut impl FnMut(&Standing),
     ) -> Result<(u32, Option<f64>, Picture), Failure> {
+        let order = self.order;
         let request = RenderRequest {
-            scene: Arc::clone(&self.order.scene),
-            camera: self.order.camera,
-            size: self.order.size,
             crop,
-            settings: self.order.settings,
+            ..order.sight.clone().request(order.size, order.settings)
         };
         let beginning = Instant::now();
         let begun = self.backend.begin_soon(&request);
@@ -267,14 +261,7 @@ impl Work<'_> {
         let mut spent = Spent::zero();
         let rendered = timed(&mut spent, || {
             let (samples, error) = self.render(crop, tell)?;
-            let mut picture = self.backend.picture()?;
-            if let (Some(excerpt), Some(aov)) = (&self.order.scene.sheet.excerpt, &mut picture.aov)
-            {
-                // A scene that is smaller than the cloth has smaller distances.
-                let cloth_mm = (1.0 / excerpt.scale()) as f32;
-                aov.depth.iter_mut().for_each(|depth| *depth *= cloth_mm);
-            }
-            Ok((samples, error, picture))
+            Ok((samples, error, self.backend.picture()?))
         });
         self.made.render += spent;
         rendered

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use super::{Instructions, Scratch, Tracer};
 use crate::design::Method;
 use crate::image::Picture;
+use crate::render::levels::Tracers;
 use crate::render::progressive::{Progressive, Threads};
 use crate::render::{Backend, BackendKind, Counters, Progress, RenderError, RenderRequest};
 
@@ -13,7 +14,7 @@ use crate::render::{Backend, BackendKind, Counters, Progress, RenderError, Rende
 #[derive(Debug, Default)]
 pub struct CpuBackend {
     instructions: Instructions,
-    work: Option<(Tracer, Progressive)>,
+    work: Option<(Tracers<Tracer>, Progressive)>,
 }
 
 impl CpuBackend {
@@ -51,16 +52,18 @@ impl Backend for CpuBackend {
             });
         }
         // The old sums go before there is room for new ones.
-        let last = self.work.take().map(|(tracer, _)| tracer);
+        let last = self.work.take().map(|(tracers, _)| tracers);
         let progressive = Progressive::new(request)?;
-        let tracer = Tracer::new(request, self.instructions, last.as_ref());
-        self.work = Some((tracer, progressive));
+        let tracers = Tracers::new(request, last.as_ref(), |request, last| {
+            Tracer::new(request, self.instructions, last)
+        });
+        self.work = Some((tracers, progressive));
         Ok(())
     }
 
     fn advance(&mut self, slice: Duration, cancel: &AtomicBool) -> Result<Progress, RenderError> {
         let deadline = Instant::now() + slice;
-        let Some((tracer, progressive)) = &mut self.work else {
+        let Some((tracers, progressive)) = &mut self.work else {
             return Ok(Progress {
                 done: true,
                 ..Progress::default()
@@ -70,8 +73,16 @@ impl Backend for CpuBackend {
             Threads::All,
             deadline,
             cancel,
-            |pixel, sample, scratch: &mut Scratch| tracer.sample(pixel, sample, scratch),
-            |samples| tracer.learn_shadows(samples),
+            |pixel, sample, scratch: &mut Scratch| {
+                tracers
+                    .of_sample(pixel, sample)
+                    .sample(pixel, sample, scratch)
+            },
+            |samples| {
+                tracers
+                    .iter()
+                    .for_each(|tracer| tracer.learn_shadows(samples))
+            },
         );
         Ok(progressive.progress())
     }
@@ -92,7 +103,9 @@ impl Backend for CpuBackend {
 
     fn device_bytes(&self) -> u64 {
         match &self.work {
-            Some((tracer, progressive)) => tracer.bytes() + progressive.bytes(),
+            Some((tracers, progressive)) => {
+                tracers.iter().map(Tracer::bytes).sum::<u64>() + progressive.bytes()
+            }
             None => 0,
         }
     }

@@ -100,7 +100,7 @@ impl<'a> PathTracer<'a> {
             };
             if bounce == 1 {
                 first = Some(FirstHit {
-                    depth_mm: vertex.t,
+                    depth_mm: vertex.t * tracer.cloth.scene.sheet.cloth_scale(),
                     normal: vertex.world_from_sheet * vertex.normal,
                     albedo: vertex.albedo,
                 });

@@ -26,6 +26,15 @@ pub struct SumBuffer {
     pub tiles: Range<u32>,
 }
 
+/// Buffers of one level of detail.
+#[derive(Debug)]
+pub struct LevelBuffers {
+    /// Ray bases of the tiles that are drawn, in their order.
+    pub rays: wgpu::Buffer,
+    /// Counters, and behind them shadows, if they are cached.
+    pub totals: wgpu::Buffer,
+}
+
 /// The sums of one picture and the rays of its tiles.
 #[derive(Debug)]
 pub struct Accumulation {
@@ -37,12 +46,10 @@ pub struct Accumulation {
     tile_bytes: u64,
     /// Sums, in the order of tiles.
     pub sums: Vec<SumBuffer>,
-    /// Ray bases of the tiles that are drawn, in their order.
-    pub rays: wgpu::Buffer,
+    /// What differs from one level of detail to the next.
+    pub levels: Vec<LevelBuffers>,
     /// Where each tile ended, as the shaders see it.
     pub tile_ends: wgpu::Buffer,
-    /// Counters, and behind them shadows, if they are cached.
-    pub totals: wgpu::Buffer,
     /// For each tile 0 while it is drawn, then its samples; `ALL_BACKGROUND` if it never was.
     ends: Vec<u32>,
     /// The tiles that are drawn.
@@ -60,9 +67,19 @@ fn output_buffer(context: &GpuContext, label: &str, size: u64) -> wgpu::Buffer {
     })
 }
 
+impl LevelBuffers {
+    fn allocate(context: &GpuContext, tiles: u32) -> Self {
+        let rays = u64::from(tiles) * size_of::<RayTile>() as u64;
+        Self {
+            rays: output_buffer(context, "ray tiles", rays),
+            totals: output_buffer(context, "counters", COUNTER_BYTES),
+        }
+    }
+}
+
 impl Accumulation {
     /// Makes room for the picture of `request`, all zeros; in the buffers of `old` where they fit, so that a moving camera
-    /// does not allocate. Counters share the buffer of `shadows`, if there are any.
+    /// does not allocate. Counters of each level share the buffer of its `shadows`, if there are any.
     ///
     /// # Errors
     /// When there is no room.
@@ -70,7 +87,7 @@ impl Accumulation {
         context: &GpuContext,
         request: &RenderRequest,
         old: Option<Self>,
-        shadows: Option<&ShadowMemory>,
+        shadows: &[Option<ShadowMemory>],
     ) -> Result<Self, RenderError> {
         let [_, _, width, height] = request.crop;
         let tiles = [width.div_ceil(TILE), height.div_ceil(TILE)];
@@ -105,12 +122,19 @@ impl Accumulation {
             for sums in &made.sums {
                 encoder.clear_buffer(&sums.buffer, 0, None);
             }
-            if let Some(shadows) = shadows {
-                made.totals = shadows.buffer.clone();
-            } else if made.totals.size() != COUNTER_BYTES {
-                made.totals = output_buffer(context, "counters", COUNTER_BYTES);
+            made.levels.truncate(shadows.len());
+            while made.levels.len() < shadows.len() {
+                let level = LevelBuffers::allocate(context, made.tile_count());
+                made.levels.push(level);
             }
-            encoder.clear_buffer(&made.totals, 0, Some(COUNTER_BYTES));
+            for (level, shadows) in made.levels.iter_mut().zip(shadows) {
+                if let Some(shadows) = shadows {
+                    level.totals = shadows.buffer.clone();
+                } else if level.totals.size() != COUNTER_BYTES {
+                    level.totals = output_buffer(context, "counters", COUNTER_BYTES);
+                }
+                encoder.clear_buffer(&level.totals, 0, Some(COUNTER_BYTES));
+            }
             made.ends = ends;
             made.draw_those_left(context, request);
             context.queue.submit([encoder.finish()]);
@@ -125,9 +149,11 @@ impl Accumulation {
             .filter(|(_, end)| **end == 0)
             .map(|(tile, _)| tile)
             .collect();
-        let rays = ray_tiles(request, self.tiles[0], &self.drawn);
         let queue = &context.queue;
-        queue.write_buffer(&self.rays, 0, bytemuck::cast_slice(&rays));
+        for (index, level) in self.levels.iter().enumerate() {
+            let rays = ray_tiles(&request.at_level(index), self.tiles[0], &self.drawn);
+            queue.write_buffer(&level.rays, 0, bytemuck::cast_slice(&rays));
+        }
         queue.write_buffer(&self.tile_ends, 0, bytemuck::cast_slice(&self.ends));
     }
 
@@ -203,12 +229,15 @@ impl Accumulation {
             tiles,
             tile_bytes,
             sums,
-            rays: buffer("ray tiles", u64::from(count) * size_of::<RayTile>() as u64),
+            levels: Vec::new(),
             tile_ends: buffer("tile ends", u64::from(count) * 4),
-            totals: buffer("counters", COUNTER_BYTES),
             ends: Vec::new(),
             drawn: Vec::new(),
         }
+    }
+
+    fn tile_count(&self) -> u32 {
+        self.tiles[0] * self.tiles[1]
     }
 
     /// How many tiles are drawn.
@@ -219,7 +248,7 @@ impl Accumulation {
     /// Which tile has a place among those that are drawn; beyond all tiles for a place beyond the last.
     pub fn tile_at(&self, place: u32) -> u32 {
         let tile = self.drawn.get(place as usize).copied();
-        tile.unwrap_or(self.tiles[0] * self.tiles[1])
+        tile.unwrap_or(self.tile_count())
     }
 
     /// The buffer that holds the sums of the drawn tile at a place, and the place of the first one beyond it.
@@ -229,6 +258,13 @@ impl Accumulation {
         let buffer = &self.sums[index.min(self.sums.len() - 1)];
         let beyond = |tile: &u32| *tile < buffer.tiles.end;
         (buffer, self.drawn.partition_point(beyond) as u32)
+    }
+
+    /// Rows of the picture made, from the first to the last, that lie in the drawn tiles at some places.
+    pub fn rows_of(&self, places: &Range<u32>) -> [u32; 2] {
+        let row = |place: u32| self.tile_at(place) / self.tiles[0] * TILE;
+        let last = row(places.end - 1) + TILE - 1;
+        [row(places.start), last.min(self.size[1] - 1)]
     }
 
     /// Pixels of a tile.
@@ -241,13 +277,18 @@ impl Accumulation {
     /// Bytes on the device.
     pub fn bytes(&self) -> u64 {
         let sums: u64 = self.sums.iter().map(|sums| sums.buffer.size()).sum();
-        sums + self.rays.size() + self.totals.size() + self.tile_ends.size()
+        let levels = self.levels.iter();
+        let levels: u64 = levels
+            .map(|level| level.rays.size() + level.totals.size())
+            .sum();
+        sums + levels + self.tile_ends.size()
     }
 
     /// What is the same in every slice of this picture, for tiles of one buffer.
     pub fn slice(&self, request: &RenderRequest, buffer: &SumBuffer, tiles: Range<u32>) -> Slice {
         let [x, y, _, _] = request.crop;
         let [red, green, blue] = request.scene.lights.background.map(|c| c as f32);
+        let levels = request.levels.rows(request.size[1]);
         Slice {
             size: self.size,
             corner: [x, y],
@@ -271,6 +312,10 @@ impl Accumulation {
             closing_bounce: request.settings.closing_bounce().unwrap_or(0),
             step: request.settings.step_mm as f32,
             cached_shadows: request.settings.cached_shadows,
+            level: 0,
+            last_level: levels.last,
+            first_row_fineness: levels.at_first_row,
+            fineness_per_row: levels.per_row,
             shadow_texels: [0; 4],
             shadow_per_cell: 0,
             shadow_shift: 0,

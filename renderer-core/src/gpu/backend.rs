@@ -29,11 +29,12 @@ const LONGEST_DISPATCH: Duration = Duration::from_millis(100);
 pub struct GpuBackend {
     context: GpuContext,
     pipelines: Pipelines,
-    scene: Option<SceneBuffers>,
+    /// The scene of each level of detail.
+    scenes: Vec<SceneBuffers>,
     work: Option<Work>,
     pace: Pace,
-    /// What is known of the shadows of the picture in work, and of pictures like it.
-    shadows: Option<ShadowMemory>,
+    /// What is known of the shadows of the picture in work, and of pictures like it, at each level.
+    shadows: Vec<Option<ShadowMemory>>,
     display: Option<wgpu::Texture>,
     filter_f32: bool,
     /// The pipeline that draws no more than rays and sums, and what it is for.
@@ -62,10 +63,10 @@ impl GpuBackend {
         Ok(Self {
             context,
             pipelines,
-            scene: None,
+            scenes: Vec::new(),
             work: None,
             pace: Pace::default(),
-            shadows: None,
+            shadows: Vec::new(),
             display: None,
             filter_f32: false,
             bare: None,
@@ -84,9 +85,37 @@ impl GpuBackend {
         self.work = None;
     }
 
+    /// Brings the scene of each of a request's levels to the device, with room for what is learned of its shadows.
+    fn upload(&mut self, request: &RenderRequest) -> Result<(), RenderError> {
+        let context = &self.context;
+        let mut scenes: Vec<SceneBuffers> = Vec::new();
+        let mut shadows = Vec::new();
+        let mut old_shadows = std::mem::take(&mut self.shadows).into_iter();
+        for level in 0..request.level_count() {
+            let request = request.at_level(level);
+            // What levels have in common, such as volumes, they share.
+            let of_loops = |old: &&SceneBuffers| old.has_loops_of(&request.scene);
+            let old = self.scenes.iter().find(of_loops);
+            let old = old.or(scenes.first()).or(self.scenes.first());
+            scenes.push(SceneBuffers::new(
+                context,
+                &self.pipelines,
+                &request.scene,
+                old,
+            )?);
+            let old = old_shadows.next().flatten();
+            shadows.push(ShadowMemory::new(context, &request, old)?);
+        }
+        if shadows.iter().any(Option::is_none) {
+            shadows.fill_with(|| None);
+        }
+        (self.scenes, self.shadows) = (scenes, shadows);
+        Ok(())
+    }
+
     /// Draws nothing but rays and sums, of all tiles that are drawn.
     fn draw_bare(&mut self, samples: u32) -> Result<(), RenderError> {
-        let (Some(work), Some(scene)) = (&mut self.work, &self.scene) else {
+        let Some(work) = &mut self.work else {
             return Ok(());
         };
         let trace = &self.pipelines.trace;
@@ -103,7 +132,8 @@ impl GpuBackend {
                 samples: 0..samples,
                 stride: 0,
             };
-            work.draw(&self.context, (pipeline, trace.group()), scene, &job, None)?;
+            let (pipeline, scenes) = ((pipeline, trace.group()), &self.scenes);
+            work.draw(&self.context, pipeline, scenes, &job, &[])?;
             place = end;
         }
         Ok(())
@@ -260,14 +290,14 @@ impl Work {
         }
     }
 
-    /// Draws one slice and waits for it.
+    /// Draws one slice, at each level of detail that it shows, and waits for it.
     fn draw(
         &mut self,
         context: &GpuContext,
         (pipeline, layout): (&wgpu::ComputePipeline, &wgpu::BindGroupLayout),
-        scene: &SceneBuffers,
+        scenes: &[SceneBuffers],
         job: &Job,
-        shadows: Option<&ShadowMemory>,
+        shadows: &[Option<ShadowMemory>],
     ) -> Result<(), RenderError> {
         let (buffer, _) = self.accumulation.buffer_of(job.tiles.start);
         let mut slice = self
@@ -277,30 +307,41 @@ impl Work {
         slice.end_sample = job.samples.end;
         slice.stride = job.stride;
         slice.pixels_per_tile = job.pixels_per_tile();
-        if let Some(shadows) = shadows {
-            shadows.describe(&mut slice);
-        }
+        let rows = self.accumulation.rows_of(&job.tiles);
+        let [from, to] = rows.map(|row| slice.corner[1] + row);
+        let levels = self
+            .request
+            .levels
+            .rows(self.request.size[1])
+            .of_rows(from, to);
         let encoder = context.guarded(|| {
-            let slice = slice_buffer(context, &slice);
-            let group = context
-                .device
-                .create_bind_group(&wgpu::BindGroupDescriptor {
-                    label: Some("slice"),
-                    layout,
-                    entries: &[
-                        entry(binding::RAY_TILES, &self.accumulation.rays),
-                        entry(binding::SUMS, &buffer.buffer),
-                        entry(binding::SLICE, &slice),
-                        entry(binding::TOTALS, &self.accumulation.totals),
-                    ],
-                });
             let mut encoder = context.encoder();
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, &scene.group, &[]);
-            pass.set_bind_group(1, &group, &[]);
-            pass.dispatch_workgroups(job.workgroups(), 1, 1);
-            drop(pass);
+            let buffers = &self.accumulation.levels;
+            let all = scenes.iter().zip(buffers).enumerate();
+            for (level, (scene, of_level)) in all.filter(|(level, _)| levels.contains(level)) {
+                slice.level = level as u32;
+                if let Some(Some(shadows)) = shadows.get(level) {
+                    shadows.describe(&mut slice);
+                }
+                let slice = slice_buffer(context, &slice);
+                let group = context
+                    .device
+                    .create_bind_group(&wgpu::BindGroupDescriptor {
+                        label: Some("slice"),
+                        layout,
+                        entries: &[
+                            entry(binding::RAY_TILES, &of_level.rays),
+                            entry(binding::SUMS, &buffer.buffer),
+                            entry(binding::SLICE, &slice),
+                            entry(binding::TOTALS, &of_level.totals),
+                        ],
+                    });
+                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+                pass.set_pipeline(pipeline);
+                pass.set_bind_group(0, &scene.group, &[]);
+                pass.set_bind_group(1, &group, &[]);
+                pass.dispatch_workgroups(job.workgroups(), 1, 1);
+            }
             encoder
         })?;
         context.submit_and_wait(encoder)?;
@@ -320,7 +361,7 @@ impl Backend for GpuBackend {
 
     fn begin(&mut self, request: &RenderRequest) -> Result<(), RenderError> {
         self.begin_soon(request)?;
-        let (Some(work), Some(scene)) = (&mut self.work, &self.scene) else {
+        let (Some(work), Some(scene)) = (&mut self.work, self.scenes.first()) else {
             return Ok(());
         };
         if work.pipeline.is_none() {
@@ -346,23 +387,17 @@ impl Backend for GpuBackend {
             });
         }
         let before = self.work.take().map(|work| work.accumulation);
-        let old = self.scene.as_ref();
-        let scene = SceneBuffers::new(&self.context, &self.pipelines, &request.scene, old)?;
-        self.shadows = ShadowMemory::new(&self.context, request, self.shadows.take())?;
-        let shadows = self.shadows.as_ref();
-        let accumulation = match Accumulation::new(&self.context, request, before, shadows) {
-            Ok(accumulation) => accumulation,
-            Err(error) => {
-                self.scene = Some(scene);
-                return Err(error);
-            }
+        self.upload(request)?;
+        let Some(scene) = self.scenes.first() else {
+            return Ok(());
         };
+        let accumulation = Accumulation::new(&self.context, request, before, &self.shadows)?;
         let needs = SceneNeeds {
-            cached_shadows: shadows.is_some(),
+            cached_shadows: self.shadows.iter().all(Option::is_some),
+            levels: request.level_count() > 1,
             ..SceneNeeds::new(&request.scene, &request.settings, self.filter_f32)
         };
         let pipeline = self.pipelines.trace.get(needs, &scene.group)?;
-        self.scene = Some(scene);
         self.work = Some(Work {
             request: request.clone(),
             needs,
@@ -375,7 +410,7 @@ impl Backend for GpuBackend {
     }
 
     fn advance(&mut self, slice: Duration, cancel: &AtomicBool) -> Result<Progress, RenderError> {
-        let (Some(work), Some(scene)) = (&mut self.work, &self.scene) else {
+        let (Some(work), Some(scene)) = (&mut self.work, self.scenes.first()) else {
             return Ok(Progress {
                 done: true,
                 ..Progress::default()
@@ -399,8 +434,8 @@ impl Backend for GpuBackend {
             let samples = work.schedule.samples();
             // Samples that learn shadows from each other come one by one. On software Vulkan all do: Mesa's ends the loops
             // of a thread, whatever they are about, once they have made 65 536 turns together.
-            let caches = self.shadows.as_ref();
-            let learns = caches.is_some() && settings.caches_shadows(samples);
+            let caches = work.needs.cached_shadows;
+            let learns = caches && settings.caches_shadows(samples);
             let most = if learns || self.context.is_software() {
                 samples + 1
             } else {
@@ -408,16 +443,15 @@ impl Backend for GpuBackend {
             };
             let job = work.schedule.next(paths, most, buffer_end);
             let begun = Instant::now();
-            let layout = self.pipelines.trace.group();
-            work.draw(&self.context, (&pipeline, layout), scene, &job, caches)?;
+            let pipeline = (&pipeline, self.pipelines.trace.group());
+            work.draw(&self.context, pipeline, &self.scenes, &job, &self.shadows)?;
             self.pace.learn(job.paths(), begun.elapsed());
             let before = samples;
             let samples = work.schedule.samples();
-            if let Some(shadows) = caches
-                && samples > before
-                && work.request.settings.caches_shadows(samples)
-            {
-                shadows.settle(&self.context, &mut self.pipelines)?;
+            if caches && samples > before && work.request.settings.caches_shadows(samples) {
+                for shadows in self.shadows.iter().flatten() {
+                    shadows.settle(&self.context, &mut self.pipelines)?;
+                }
             }
             if work.schedule.is_between_passes() && has_estimate(samples) {
                 work.estimate(&self.context, &mut self.pipelines)?;
@@ -430,7 +464,7 @@ impl Backend for GpuBackend {
     }
 
     fn is_ready(&mut self) -> Result<bool, RenderError> {
-        let (Some(work), Some(scene)) = (&mut self.work, &self.scene) else {
+        let (Some(work), Some(scene)) = (&mut self.work, self.scenes.first()) else {
             return Ok(true);
         };
         if work.pipeline.is_none() {
@@ -484,7 +518,7 @@ impl Backend for GpuBackend {
     }
 
     fn device_bytes(&self) -> u64 {
-        let scene = self.scene.as_ref().map_or(0, SceneBuffers::bytes);
+        let scenes = SceneBuffers::bytes(&self.scenes);
         let work = self
             .work
             .as_ref()
@@ -492,6 +526,6 @@ impl Backend for GpuBackend {
         let display = self.display.as_ref().map_or(0, |texture| {
             u64::from(texture.width()) * u64::from(texture.height()) * 4
         });
-        scene + work + display
+        scenes + work + display
     }
 }

@@ -249,7 +249,7 @@ mirrors! {
         per_slice: f32,
         /// Volumes of each kind.
         variants: u32,
-        /// Size of the reference loop, mm.
+        /// Size of the reference loop, mm; mm of the cloth in one of the scene's.
         reference_size: [f32; 4],
         /// Highest density, 1/mm.
         max_density: f32,
@@ -369,6 +369,14 @@ mirrors! {
         step: f32,
         /// First samples whose shadows may come from a cache.
         cached_shadows: u32,
+        /// The level of detail that is drawn.
+        level: u32,
+        /// The last of the picture's.
+        last_level: u32,
+        /// How fine the whole picture's first row of pixels needs the cloth.
+        first_row_fineness: f32,
+        /// How much finer the next does.
+        fineness_per_row: f32,
         /// Texels of the cache along x, y and z; lights.
         shadow_texels: [u32; 4],
         /// Its texels of a cell along each side.

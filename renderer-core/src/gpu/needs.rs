@@ -45,6 +45,8 @@ pub struct SceneNeeds {
     pub cached_shadows: bool,
     /// The cloth is bent.
     pub bent: bool,
+    /// The picture shows the cloth at several levels of detail.
+    pub levels: bool,
     /// Depth, normal and albedo are accumulated.
     pub aov: bool,
     /// Work is counted.
@@ -58,7 +60,7 @@ pub struct SceneNeeds {
 }
 
 impl SceneNeeds {
-    /// What `scene` drawn with `settings` needs, without a cache of shadows.
+    /// What `scene` drawn with `settings` needs, without a cache of shadows and at one level of detail.
     pub fn new(scene: &Scene, settings: &Settings, filter_f32: bool) -> Self {
         // What the scene's numbers turn off as well, so that it need not be left out.
         let every = !settings.skips.has(Skip::UnusedShading);
@@ -94,6 +96,7 @@ impl SceneNeeds {
             drawn_sky: environment && scene.lights.sky.drawn().is_some(),
             cached_shadows: false,
             bent: scene.form.is_some(),
+            levels: false,
             aov: settings.aov,
             counters: settings.counters,
             filter_f32,
@@ -142,6 +145,7 @@ impl SceneNeeds {
             flag("DRAWN_SKY", self.drawn_sky),
             flag("CACHED_SHADOWS", self.cached_shadows),
             flag("BENT", self.bent),
+            flag("LEVELS", self.levels),
             flag("AOV", self.aov),
             flag("COUNTERS", self.counters),
             flag("FILTER_F32", self.filter_f32),

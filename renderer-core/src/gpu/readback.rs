@@ -230,14 +230,15 @@ pub fn counters(
     context: &GpuContext,
     accumulation: &Accumulation,
 ) -> Result<Counters, RenderError> {
-    let bytes = context.guarded(|| {
-        read(
-            context,
-            context.encoder(),
-            &accumulation.totals,
-            COUNTER_BYTES,
-        )
-    })??;
+    let mut sum = Counters::default();
+    for level in &accumulation.levels {
+        sum += counters_in(context, &level.totals)?;
+    }
+    Ok(sum)
+}
+
+fn counters_in(context: &GpuContext, totals: &wgpu::Buffer) -> Result<Counters, RenderError> {
+    let bytes = context.guarded(|| read(context, context.encoder(), totals, COUNTER_BYTES))??;
     let words: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes);
     let total = |which: u32| {
         debug_assert!(which < COUNTERS_IN_ALL);

@@ -13,8 +13,8 @@ macro_rules! parts {
 pub const TRACE: &[Part] = parts![
     "settings.wgsl" "scene.wgsl" "sampling.wgsl" "counters.wgsl" "walk.wgsl" "block.wgsl" "patch.wgsl" "volume.wgsl"
     "skeleton.wgsl" "surface.wgsl" "phase.wgsl" "lights.wgsl" "events.wgsl" "single.wgsl" "layered.wgsl"
-    "composite.wgsl" "loop_line.wgsl" "met.wgsl" "tracked.wgsl" "camera.wgsl" "form.wgsl" "picture.wgsl" "bounced.wgsl"
-    "shadow_cache.wgsl" "exact.wgsl" "trace.wgsl" "bare.wgsl"
+    "composite.wgsl" "loop_line.wgsl" "met.wgsl" "tracked.wgsl" "camera.wgsl" "form.wgsl" "picture.wgsl" "levels.wgsl"
+    "bounced.wgsl" "shadow_cache.wgsl" "exact.wgsl" "trace.wgsl" "bare.wgsl"
 ];
 /// The program that shows or returns the mean.
 pub const RESOLVE: &[Part] = parts!["settings.wgsl" "picture.wgsl" "resolve.wgsl"];

@@ -1,5 +1,7 @@
 //! A scene on the device. Sections are compared by identity: what is the same `Arc` as before keeps its buffers.
 
+use std::collections::HashSet;
+
 use bytemuck::Zeroable;
 
 use crate::design::Phase;
@@ -155,8 +157,15 @@ impl SceneBuffers {
         })
     }
 
-    /// Bytes on the device.
-    pub fn bytes(&self) -> u64 {
+    /// Whether a scene's loops are there.
+    pub fn has_loops_of(&self, scene: &Scene) -> bool {
+        self.scene.loops == scene.loops
+    }
+
+    /// Bytes of some scenes on the device; what they share counts once.
+    pub fn bytes(scenes: &[Self]) -> u64 {
+        let buffers: HashSet<_> = scenes.iter().flat_map(Self::buffers).collect();
+        let textures: HashSet<_> = scenes.iter().flat_map(Self::textures).collect();
         let texture = |texture: &wgpu::Texture| {
             let size = texture.size();
             let texel = texture.format().block_copy_size(None).unwrap_or(0);
@@ -165,20 +174,31 @@ impl SceneBuffers {
                 * u64::from(size.depth_or_array_layers)
                 * u64::from(texel)
         };
-        let buffers = [
+        let buffers = buffers.into_iter().map(wgpu::Buffer::size);
+        buffers.sum::<u64>() + textures.into_iter().map(texture).sum::<u64>()
+    }
+
+    fn buffers(&self) -> [&wgpu::Buffer; 6] {
+        [
             &self.constants,
             &self.shapes,
             &self.looks,
             &self.headers,
             &self.entries,
             &self.stitches,
-        ];
-        buffers.iter().map(|buffer| buffer.size()).sum::<u64>()
-            + texture(&self.voxels)
-            + texture(&self.highlight)
-            + texture(&self.sky)
-            + texture(&self.form)
-            + self.tangents.iter().map(texture).sum::<u64>()
+        ]
+    }
+
+    fn textures(&self) -> [&wgpu::Texture; 6] {
+        let [tangents_a, tangents_b] = &self.tangents;
+        [
+            &self.voxels,
+            &self.highlight,
+            &self.sky,
+            &self.form,
+            tangents_a,
+            tangents_b,
+        ]
     }
 }
 
@@ -499,7 +519,7 @@ fn scene_constants(scene: &Scene) -> SceneConstants {
         heights_shift: loops.entry_layout.heights_shift(),
         height_bits: loops.entry_layout.height_bits,
         root_blend: volumes.root_blend,
-        reference_size: [u, v, w, 0.0],
+        reference_size: [u, v, w, scene.sheet.cloth_scale() as f32],
         resolution: volumes.resolution as f32,
         per_slice: 1.0 / slices.max(1) as f32,
         variants: volumes.variants,

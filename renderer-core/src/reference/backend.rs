@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::{Scratch, Tracer};
 use crate::image::Picture;
+use crate::render::levels::Tracers;
 use crate::render::progressive::{Progressive, Threads};
 use crate::render::{Backend, BackendKind, Counters, Progress, RenderError, RenderRequest};
 
@@ -12,7 +13,7 @@ use crate::render::{Backend, BackendKind, Counters, Progress, RenderError, Rende
 #[derive(Debug)]
 pub struct ReferenceBackend {
     threads: Threads,
-    work: Option<(Tracer, Progressive)>,
+    work: Option<(Tracers<Tracer>, Progressive)>,
 }
 
 impl Default for ReferenceBackend {
@@ -53,19 +54,19 @@ impl Backend for ReferenceBackend {
             return Ok(());
         }
         // The old sums go before there is room for new ones.
-        let last = self.work.take().map(|(tracer, _)| tracer);
+        let last = self.work.take().map(|(tracers, _)| tracers);
         let progressive = Progressive::new(request)?;
-        let tracer = match last {
+        let tracers = Tracers::new(request, last.as_ref(), |request, last| match last {
             Some(tracer) => tracer.again(request),
             None => Tracer::new(request),
-        };
-        self.work = Some((tracer, progressive));
+        });
+        self.work = Some((tracers, progressive));
         Ok(())
     }
 
     fn advance(&mut self, slice: Duration, cancel: &AtomicBool) -> Result<Progress, RenderError> {
         let deadline = Instant::now() + slice;
-        let Some((tracer, progressive)) = &mut self.work else {
+        let Some((tracers, progressive)) = &mut self.work else {
             return Ok(Progress {
                 done: true,
                 ..Progress::default()
@@ -75,7 +76,11 @@ impl Backend for ReferenceBackend {
             self.threads,
             deadline,
             cancel,
-            |pixel, sample, scratch: &mut Scratch| tracer.sample(pixel, sample, scratch),
+            |pixel, sample, scratch: &mut Scratch| {
+                tracers
+                    .of_sample(pixel, sample)
+                    .sample(pixel, sample, scratch)
+            },
             |_| {},
         );
         Ok(progressive.progress())
@@ -97,7 +102,9 @@ impl Backend for ReferenceBackend {
 
     fn device_bytes(&self) -> u64 {
         match &self.work {
-            Some((tracer, progressive)) => tracer.bytes() + progressive.bytes(),
+            Some((tracers, progressive)) => {
+                tracers.iter().map(Tracer::bytes).sum::<u64>() + progressive.bytes()
+            }
             None => 0,
         }
     }

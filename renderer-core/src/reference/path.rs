@@ -98,7 +98,7 @@ impl<'a> PathTracer<'a> {
         Sample {
             radiance: self.radiance_from(first, first.sheet_direction(-ray.direction)),
             first: Some(FirstHit {
-                depth_mm: first.t,
+                depth_mm: first.t * self.tracer.scene.sheet.cloth_scale(),
                 normal: first.world_from_sheet * first.normal,
                 albedo: first.albedo,
             }),

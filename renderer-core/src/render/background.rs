@@ -78,8 +78,8 @@ struct Finder<'a> {
 }
 
 impl<'a> Finder<'a> {
-    fn new(request: &'a RenderRequest) -> Self {
-        let [low, high] = cloth_box(&request.scene);
+    fn new(scene: &Scene, camera: &'a Camera, size: [u32; 2]) -> Self {
+        let [low, high] = cloth_box(scene);
         let room = (high - low) * ROOMY + ROOMY;
         let (low, high) = (low - room, high + room);
         let corner = |index: usize| {
@@ -90,7 +90,7 @@ impl<'a> Finder<'a> {
             )
         };
         let corners: [DVec3; 8] = std::array::from_fn(corner);
-        let (eye, forward) = (request.camera.eye, request.camera.forward);
+        let (eye, forward) = (camera.eye, camera.forward);
         let faces = DVec3::AXES.into_iter().flat_map(|axis| {
             let sides = [(axis, high), (-axis, low)];
             sides.map(|(normal, point)| Plane::new(normal, point, &corners))
@@ -100,7 +100,7 @@ impl<'a> Finder<'a> {
             let ends = [1, 2, 4].map(|bit| (from, from | bit));
             ends.into_iter().filter(|(from, to)| from != to)
         });
-        let is_parallel = request.camera.is_parallel();
+        let is_parallel = camera.is_parallel();
         let through_edges = edges.flat_map(|(from, to)| {
             let (a, b) = (corners[from], corners[to]);
             let (normal, point) = if is_parallel {
@@ -115,8 +115,8 @@ impl<'a> Finder<'a> {
             .filter(|plane| plane.box_reach <= ROUNDING_MM)
             .collect();
         Self {
-            camera: &request.camera,
-            size: request.size,
+            camera,
+            size,
             low,
             high,
             corners,
@@ -171,16 +171,23 @@ impl<'a> Finder<'a> {
     }
 }
 
-/// For each tile of `side` pixels, row by row, whether it shows nothing but background.
+/// For each tile of `side` pixels, row by row, whether it shows nothing but background, in whichever of its levels of detail.
 pub fn background_tiles(request: &RenderRequest, side: u32) -> Vec<bool> {
-    let finder = Finder::new(request);
+    let farther = request.levels.farther.iter();
+    let farther = farther.map(|level| Finder::new(&level.scene, &level.camera, request.size));
+    let nearest = Finder::new(&request.scene, &request.camera, request.size);
+    let finders: Vec<_> = std::iter::once(nearest).chain(farther).collect();
+    let levels_of = request.levels.rows(request.size[1]);
     let [left, top, width, height] = request.crop;
     let [columns, rows] = [width, height].map(|length| length.div_ceil(side));
     (0..columns * rows)
         .map(|tile| {
             let corner = [tile % columns * side, tile / columns * side];
             let size = [width - corner[0], height - corner[1]].map(|rest| rest.min(side));
-            finder.is_background([left + corner[0], top + corner[1]], size)
+            let corner = [left + corner[0], top + corner[1]];
+            let levels = levels_of.of_rows(corner[1], corner[1] + size[1] - 1);
+            let mut finders = finders[levels].iter();
+            finders.all(|finder| finder.is_background(corner, size))
         })
         .collect()
 }

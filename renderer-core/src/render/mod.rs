@@ -9,6 +9,8 @@ mod background;
 mod camera;
 pub mod convergence;
 mod first_look;
+mod level_plan;
+pub mod levels;
 pub mod progressive;
 pub mod shadow_cache;
 mod sight;
@@ -17,7 +19,9 @@ mod skips;
 pub use background::{background_tiles, cloth_box};
 pub use camera::{Camera, Projection, RayTile};
 pub use first_look::FirstLook;
-pub use sight::{Extent, Sight, excerpt_for};
+pub use level_plan::{Extent, LevelPlan};
+pub use levels::{Fineness, Level, LevelRows, Levels};
+pub use sight::{Cloth, ClothMaker, Sight};
 pub use skips::{Skip, Skips};
 
 use std::sync::Arc;
@@ -38,6 +42,8 @@ pub struct RenderRequest {
     pub scene: Arc<Scene>,
     /// From where it is seen.
     pub camera: Camera,
+    /// The same cloth less fine, for pixels that see it from farther away.
+    pub levels: Levels,
     /// Width and height of the whole picture, pixels.
     pub size: [u32; 2],
     /// The part to make: x, y, width, height, pixels from the top left; the picture returned has this size.

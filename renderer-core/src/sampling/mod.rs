@@ -44,6 +44,8 @@ pub fn samples_of(scramble: u32, samples: u32) -> u32 {
 pub enum Set {
     /// x and y in the pixel, then the transmittance at which the camera ray's event is chosen (1 − value), then spare.
     Film,
+    /// At which level of detail a sample sees the cloth (one dimension).
+    Level,
     /// x and y on the disc of sun `sun`, at scattering `bounce` (1 is the first).
     Sun {
         /// Which scattering, from 1.
@@ -71,10 +73,11 @@ pub enum Set {
 }
 
 impl Set {
-    /// The set's number: 0 for the film, 16·bounce + purpose for the others.
+    /// The set's number: 0 for the film, 1 for the level, 16·bounce + purpose for the others.
     pub fn number(self) -> u32 {
         match self {
             Self::Film => 0,
+            Self::Level => 1,
             Self::Sun { bounce, sun } => 16 * bounce + sun,
             Self::Environment { bounce } => 16 * bounce + 8,
             Self::Onward { bounce } => 16 * bounce + 9,

@@ -216,14 +216,23 @@ impl Compiler {
         design: &Design,
         cancel: &Cancel<'_>,
     ) -> Result<Arc<Scene>, CompileError> {
-        self.compile_excerpt(design, None, cancel)
+        self.scene_of(design, None, cancel)
     }
 
-    /// The scene of an excerpt of a design, or of all of it.
+    /// The scene of an excerpt of a design.
     ///
     /// # Errors
     /// As [`Self::compile_unless_cancelled`].
     pub fn compile_excerpt(
+        &mut self,
+        design: &Design,
+        excerpt: Excerpt,
+        cancel: &Cancel<'_>,
+    ) -> Result<Arc<Scene>, CompileError> {
+        self.scene_of(design, Some(excerpt), cancel)
+    }
+
+    fn scene_of(
         &mut self,
         design: &Design,
         excerpt: Option<Excerpt>,
@@ -231,6 +240,18 @@ impl Compiler {
     ) -> Result<Arc<Scene>, CompileError> {
         match self.make(design, excerpt, None, cancel)? {
             SeenScene::Whole(scene) | SeenScene::Part(scene) => Ok(scene),
+        }
+    }
+
+    /// One that leaves out the same work and has made nothing yet.
+    pub fn fresh(&self) -> Self {
+        Self::new(self.skips)
+    }
+
+    /// Takes over the volumes of another compiler, for designs of the same yarns.
+    pub fn share_volumes(&mut self, other: &Self) {
+        if other.volumes.is_some() {
+            self.volumes = other.volumes.clone();
         }
     }
 

@@ -171,6 +171,11 @@ impl SheetGeometry {
             .map_or([self.warps, self.wefts], |excerpt| excerpt.whole)
     }
 
+    /// Lengths in that cloth's world as a multiple of those in this sheet's.
+    pub fn cloth_scale(&self) -> f64 {
+        self.excerpt.map_or(1.0, |excerpt| 1.0 / excerpt.scale())
+    }
+
     /// The cell of the whole cloth whose loops stand in a cell.
     pub fn original(&self, i: usize, j: usize) -> [usize; 2] {
         match &self.excerpt {

@@ -289,7 +289,8 @@ impl Faces {
 }
 
 impl LoopCounts {
-    pub(super) fn plus(self, other: Self) -> Self {
+    /// Those of both.
+    pub fn plus(self, other: Self) -> Self {
         Self {
             planted: self.planted + other.planted,
             dropped: self.dropped + other.dropped,

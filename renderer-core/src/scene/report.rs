@@ -24,6 +24,16 @@ pub struct CompileReport {
 }
 
 impl CompileReport {
+    /// What both did; kept is what both kept.
+    pub fn plus(&self, other: &Self) -> Self {
+        Self {
+            kept: std::array::from_fn(|section| self.kept[section] && other.kept[section]),
+            frames_made: self.frames_made + other.frames_made,
+            frames_left_out: self.frames_left_out + other.frames_left_out,
+            seconds: self.seconds.plus(&other.seconds),
+        }
+    }
+
     /// How many sections were kept.
     pub fn sections_kept(&self) -> u64 {
         self.kept.iter().filter(|&&kept| kept).count() as u64
@@ -52,6 +62,19 @@ pub struct StageSeconds {
 }
 
 impl StageSeconds {
+    fn plus(&self, other: &Self) -> Self {
+        Self {
+            turbulence: self.turbulence + other.turbulence,
+            lengths: self.lengths + other.lengths,
+            frames: self.frames + other.frames,
+            grid: self.grid + other.grid,
+            looks: self.looks + other.looks,
+            volumes: self.volumes + other.volumes,
+            form: self.form + other.form,
+            total: self.total + other.total,
+        }
+    }
+
     /// The stages by name, and the rest of the total.
     pub fn by_name(&self) -> [(&'static str, f64); 8] {
         let Self {

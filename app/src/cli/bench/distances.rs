@@ -1,4 +1,4 @@
-//! The same cloth from farther and farther: what its excerpts cost beside the whole, and how far their pictures are from its.
+//! The same cloth from farther and farther: what its levels of detail cost beside the whole, and how far their pictures are from its.
 
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use renderer_core::design::{Design, Filter, Form};
 use renderer_core::image::{Picture, metrics};
-use renderer_core::render::{Backend, Extent, RenderRequest, Sight, excerpt_for};
+use renderer_core::render::{Backend, ClothMaker, Extent, LevelPlan, RenderRequest};
 use renderer_core::scene::{Cancel, Compiler, Scene};
 
 use super::Measured;
@@ -17,7 +17,7 @@ use crate::clock::{Spent, timed};
 
 /// Pixels along each side of the pictures.
 const SIDE: u32 = 48;
-/// Warps and wefts of the cloth: just so many that it is made in excerpts.
+/// Warps and wefts of the cloth: just so many that it is made in parts.
 const YARNS: u32 = 2048;
 /// Cells along each side of a pixel.
 const DISTANCES: [f64; 5] = [2.1, 4.2, 8.4, 16.8, 33.6];
@@ -35,16 +35,16 @@ pub struct Line {
     pub found: Option<Found>,
 }
 
-/// What the excerpt for a picture costs, and what it shows.
+/// What the levels for a picture cost, and what they show.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Found {
-    /// How often the cloth is halved.
+    /// How often the cloth of the first level is halved.
     pub halvings: u32,
-    /// Its scene.
-    pub excerpt: Cost,
+    /// All levels.
+    pub levels: Cost,
     /// The whole cloth's.
     pub whole: Cost,
-    /// Making the excerpt.
+    /// Making them.
     pub compile: Spent,
     /// Mean luminance of its picture over that of the whole cloth's.
     pub brightness: f64,
@@ -52,7 +52,7 @@ pub struct Found {
     pub error: f64,
 }
 
-/// What a scene costs.
+/// What cloth costs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
     /// Loops in it.
@@ -105,18 +105,15 @@ fn at_distance(
         camera.orthographic_height = Some(cells * pitch * f64::from(SIDE));
     }
     let of_whole = request(design, whole, [SIDE; 2], TRIAL)?;
-    let excerpt = excerpt_for(design, &of_whole.camera, [SIDE; 2], Extent::FINAL, None);
+    let camera = of_whole.camera;
+    let plan = LevelPlan::new(design, &camera, [SIDE; 2], Extent::FINAL, None);
     let mut compile = Spent::zero();
-    let scene = timed(&mut compile, || {
-        Compiler::default().compile_excerpt(design, excerpt, &Cancel::never())
+    let cloth = timed(&mut compile, || {
+        ClothMaker::default().make(design, plan, &Cancel::never())
     })?;
-    let Sight { scene, camera } = Sight::of(scene, design, &of_whole.camera);
-    let of_excerpt = RenderRequest {
-        scene,
-        camera,
-        ..of_whole.clone()
-    };
-    let both = [&of_whole, &of_excerpt];
+    let sight = cloth.sight(design, &camera, [SIDE; 2]);
+    let of_levels = sight.request([SIDE; 2], of_whole.settings);
+    let both = [&of_whole, &of_levels];
     let mut costs = Vec::new();
     for request in both {
         let Some(cost) = cost(backend, request, until)? else {
@@ -137,16 +134,16 @@ fn at_distance(
             pictures.push(backend.picture()?);
         }
     }
-    let [whole, excerpt] = [0, 1].map(|first| {
+    let [whole, levels] = [0, 1].map(|first| {
         let seeds = [&pictures[first], &pictures[first + 2]];
         seeds.map(metrics::mean_luminance).iter().sum::<f64>()
     });
     Ok(Some(Found {
-        halvings: of_excerpt.scene.sheet.excerpt.map_or(0, |e| e.halvings),
-        excerpt: costs[1],
+        halvings: cloth.nearest.sheet.excerpt.map_or(0, |e| e.halvings),
+        levels: costs[1],
         whole: costs[0],
         compile,
-        brightness: excerpt / whole,
+        brightness: levels / whole,
         error: error_without_noise(&pictures),
     }))
 }
@@ -160,10 +157,12 @@ fn cost(
         return Ok(None);
     };
     let counters = count(backend, request)?;
-    let scene = &request.scene;
+    let levels = 0..request.level_count();
+    let scenes: Vec<_> = levels.map(|level| request.at_level(level).scene).collect();
+    let bytes = |scene: &Arc<Scene>| scene.loops.bytes_per_loop() * scene.looks.len() as f64;
     Ok(Some(Cost {
-        loops: scene.loops.counts.planted,
-        bytes: (scene.loops.bytes_per_loop() * scene.looks.len() as f64) as u64,
+        loops: scenes.iter().map(|scene| scene.loops.counts.planted).sum(),
+        bytes: scenes.iter().map(bytes).sum::<f64>() as u64,
         sample: per_sample(drawn.samples, request.settings.samples),
         patch_tests: patch_tests_per_ray(&counters),
     }))
@@ -202,16 +201,16 @@ pub fn csv(all: &[Measured]) -> String {
                 fields.resize(HEADER.split(',').count(), String::new());
             }
             Some(found) => {
-                let (excerpt, whole) = (&found.excerpt, &found.whole);
+                let (levels, whole) = (&found.levels, &found.whole);
                 fields.extend([
                     "yes".into(),
                     found.halvings.to_string(),
-                    excerpt.loops.to_string(),
-                    excerpt.bytes.to_string(),
+                    levels.loops.to_string(),
+                    levels.bytes.to_string(),
                     number(found.compile.wall.as_secs_f64()),
-                    number(excerpt.sample.wall.as_secs_f64()),
-                    optional(excerpt.sample.processor.map(|time| time.as_secs_f64())),
-                    number(excerpt.patch_tests),
+                    number(levels.sample.wall.as_secs_f64()),
+                    optional(levels.sample.processor.map(|time| time.as_secs_f64())),
+                    number(levels.patch_tests),
                     whole.loops.to_string(),
                     whole.bytes.to_string(),
                     number(whole.sample.wall.as_secs_f64()),
@@ -240,17 +239,17 @@ pub fn section(lines: &[Line]) -> String {
         };
         let megabytes = |cost: &Cost| cost.bytes as f64 / 1e6;
         let one = |cost: &Cost| seconds(cost.sample.wall.as_secs_f64());
-        let (excerpt, whole) = (&found.excerpt, &found.whole);
+        let (levels, whole) = (&found.levels, &found.whole);
         let _ = writeln!(
             text,
             "| {} | {} times | {} | {:.1} | {} | {} | {:.2} | {:.1}, {}, {:.2} | {:.3} | {:.3} |",
             line.cells,
             found.halvings,
-            excerpt.loops,
-            megabytes(excerpt),
+            levels.loops,
+            megabytes(levels),
             seconds(found.compile.wall.as_secs_f64()),
-            one(excerpt),
-            excerpt.patch_tests,
+            one(levels),
+            levels.patch_tests,
             megabytes(whole),
             one(whole),
             whole.patch_tests,

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::anyhow;
 use renderer_core::design::Design;
-use renderer_core::render::{Backend, Camera, Counters, RenderRequest, Settings};
+use renderer_core::render::{Backend, Camera, Counters, Levels, RenderRequest, Settings};
 use renderer_core::scene::Scene;
 
 use crate::clock::{Spent, timed};
@@ -82,6 +82,7 @@ pub fn request(
     Ok(RenderRequest {
         scene: Arc::clone(scene),
         camera: camera.ok_or_else(|| anyhow!("the preset has no camera"))?,
+        levels: Levels::default(),
         size,
         crop: [0, 0, size[0], size[1]],
         settings: Settings {

@@ -15,7 +15,7 @@ use renderer_core::design::{Design, Method, Quality, Sampler};
 use renderer_core::image::Picture;
 use renderer_core::image::metrics;
 use renderer_core::render::{
-    Backend, Camera, Counters, RenderError, RenderRequest, Settings, Skips, convergence,
+    Backend, Camera, Counters, Levels, RenderError, RenderRequest, Settings, Skips, convergence,
 };
 use renderer_core::scene::{self, CompileError, Scene};
 
@@ -166,6 +166,7 @@ impl Subject {
         Ok(RenderRequest {
             scene: self.scene(setting.bounces)?,
             camera: self.camera,
+            levels: Levels::default(),
             size: self.size,
             crop: [0, 0, width, height],
             settings: Settings {

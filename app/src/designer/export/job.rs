@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 use egui::Context;
 use renderer_core::design::{CameraDesign, Design};
 use renderer_core::image::{Background, Display};
-use renderer_core::render::{Camera, Extent, RenderError, Settings, Sight};
-use renderer_core::scene::{Cancel, CompileError, Compiler};
+use renderer_core::render::{Camera, ClothMaker, Extent, RenderError, Settings, Sight};
+use renderer_core::scene::{Cancel, CompileError};
 
 use crate::backend::BackendChoice;
 use crate::designer::renderer::MakeBackend;
@@ -103,16 +103,15 @@ impl Order {
         // Now rather than after minutes of rendering.
         files::check_writable(&self.path).map_err(|error| text(&error))?;
         let is_given_up = || cancel.load(Ordering::Relaxed);
-        let mut compiler = Compiler::default();
         let made = Sight::new(
-            &mut compiler,
+            &mut ClothMaker::default(),
             &self.design,
             &Camera::from_design(&self.camera),
             self.size,
             Extent::FINAL,
             &Cancel::when(&is_given_up),
         );
-        let Sight { scene, camera } = match made {
+        let sight = match made {
             Ok(sight) => sight,
             Err(CompileError::Cancelled) => return Ok(Outcome::Cancelled),
             Err(error) => return Err(text(&error)),
@@ -130,8 +129,7 @@ impl Order {
         };
         let background = Background(self.design.light.background.linear());
         let order = picture_file::Order {
-            scene,
-            camera,
+            sight,
             size: self.size,
             crop: [0, 0, self.size[0], self.size[1]],
             settings: Settings {

@@ -19,8 +19,8 @@ use std::thread::JoinHandle;
 
 use renderer_core::design::{CameraDesign, Design, Warning};
 use renderer_core::image::Display;
-use renderer_core::render::{BackendKind, Progress};
-use renderer_core::scene::{LoopCounts, Scene};
+use renderer_core::render::{BackendKind, Cloth, Progress};
+use renderer_core::scene::LoopCounts;
 
 use super::live_light::LiveLight;
 use super::renderer::{MakeRenderer, Shot};
@@ -98,7 +98,7 @@ pub struct Shown {
     /// cannot do more.
     pub size: [u32; 2],
     /// What the picture shows.
-    pub scene: Option<Arc<Scene>>,
+    pub cloth: Option<Arc<Cloth>>,
 }
 
 impl Shown {

@@ -7,9 +7,9 @@ use std::time::{Duration, Instant};
 use renderer_core::design::Design;
 use renderer_core::image::Display;
 use renderer_core::render::{
-    Camera, Extent, Progress, RenderError, RenderRequest, Sight, excerpt_for,
+    Camera, Cloth, ClothMaker, Extent, LevelPlan, Levels, Progress, RenderError, RenderRequest,
 };
-use renderer_core::scene::{self, Cancel, CompileError, Compiler, Excerpt, Scene, SeenScene};
+use renderer_core::scene::{self, Cancel, CompileError, Excerpt, SeenScene};
 
 use super::fallback::{Fallback, Remedy};
 use super::first_look;
@@ -56,9 +56,9 @@ pub struct Worker<'a> {
     stand_in: StandIn,
     fallback: Fallback,
     wish: Option<Wish>,
-    compiler: Compiler,
-    /// The last scene and its design.
-    compiled: Option<(Arc<Design>, Arc<Scene>)>,
+    maker: ClothMaker,
+    /// The last cloth and its design.
+    made: Option<(Arc<Design>, Arc<Cloth>)>,
     /// Since when scenes have been given up without one being finished.
     giving_up: Option<Instant>,
     /// How long the loops of the last scene took that was made with new ones.
@@ -82,8 +82,8 @@ impl<'a> Worker<'a> {
             stand_in: StandIn::None,
             fallback: Fallback::default(),
             wish: None,
-            compiler: Compiler::default(),
-            compiled: None,
+            maker: ClothMaker::default(),
+            made: None,
             giving_up: None,
             loops_took: Duration::ZERO,
             job: None,
@@ -161,7 +161,7 @@ impl<'a> Worker<'a> {
             return Ok(());
         };
         let was_glimpsed = self.glimpse(&wish)?;
-        let Sight { scene, camera } = self.sight_of(&wish, was_glimpsed)?;
+        let cloth = self.cloth_of(&wish, was_glimpsed)?;
         if self.fallback.choose(wish.choice, wish.attempt) {
             self.renderer = None;
             self.stand_in = StandIn::None;
@@ -169,13 +169,9 @@ impl<'a> Worker<'a> {
         let choice = wish.choice.for_method(wish.design.quality.method);
         let largest_side = self.choose_backend(self.fallback.effective(choice))?;
         let size = self.fallback.fitted(wish.size, largest_side);
-        let request = RenderRequest {
-            scene,
-            camera,
-            size,
-            crop: [0, 0, size[0], size[1]],
-            settings: wish.light.settings(&wish.design),
-        };
+        let camera = Camera::from_design(&wish.camera);
+        let sight = cloth.sight(&wish.design, &camera, wish.size);
+        let request = sight.request(size, wish.light.settings(&wish.design));
         let standing = self.fallback.standing();
         self.publish(|shown| {
             shown.instead = standing;
@@ -241,8 +237,8 @@ impl<'a> Worker<'a> {
         wish: &Wish,
         is_given_up: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<RenderRequest>, Failure> {
-        let is_edit = (self.compiled.as_ref())
-            .is_some_and(|(compiled, _)| !Arc::ptr_eq(compiled, &wish.design));
+        let is_edit =
+            (self.made.as_ref()).is_some_and(|(design, _)| !Arc::ptr_eq(design, &wish.design));
         let choice = wish.choice.for_method(wish.design.quality.method);
         let choice = self.fallback.effective(choice);
         let largest_side = match &mut self.renderer {
@@ -253,7 +249,7 @@ impl<'a> Worker<'a> {
             || self.loops_took < first_look::WORTH_IT
             || Excerpt::is_needed(&wish.design)
             || !wish.design.faults().is_empty()
-            || self.compiler.has_loops_of(&wish.design)
+            || self.maker.whole().has_loops_of(&wish.design)
         {
             return Ok(None);
         }
@@ -267,7 +263,7 @@ impl<'a> Worker<'a> {
             return Ok(None);
         };
         self.publish(|shown| shown.activity = Activity::Compiling);
-        let compiler = &mut self.compiler;
+        let compiler = self.maker.whole();
         let made = workers::with_all(|| {
             compiler.compile_seen(&wish.design, &look.seen, &Cancel::when(is_given_up))
         })?;
@@ -277,6 +273,7 @@ impl<'a> Worker<'a> {
         let whole = RenderRequest {
             scene,
             camera,
+            levels: Levels::default(),
             size,
             crop: [0, 0, size[0], size[1]],
             settings,
@@ -284,20 +281,17 @@ impl<'a> Worker<'a> {
         Ok(Some(Job::glance(&whole, look.divisor)))
     }
 
-    /// The scene that a wish's picture needs, with its camera; given up for a newer wish sooner where something of it could be
-    /// seen already.
-    fn sight_of(&mut self, wish: &Wish, was_glimpsed: bool) -> Result<Sight, CompileError> {
+    /// The cloth that a wish's picture shows; given up for a newer wish sooner where something of it could be seen already.
+    fn cloth_of(&mut self, wish: &Wish, was_glimpsed: bool) -> Result<Arc<Cloth>, CompileError> {
         let design = &wish.design;
         let camera = Camera::from_design(&wish.camera);
-        let last = self.compiled.as_ref();
-        let last = last.and_then(|(_, scene)| scene.sheet.excerpt);
-        let extent = Extent::LIVE;
-        let excerpt = excerpt_for(design, &camera, wish.size, extent, last.as_ref());
-        if let Some((compiled, scene)) = &self.compiled
-            && Arc::ptr_eq(compiled, design)
-            && scene.sheet.excerpt == excerpt
+        let last = self.made.as_ref().map(|(_, cloth)| &cloth.plan);
+        let plan = LevelPlan::new(design, &camera, wish.size, Extent::LIVE, last);
+        if let Some((made, cloth)) = &self.made
+            && Arc::ptr_eq(made, design)
+            && cloth.plan == plan
         {
-            return Ok(Sight::of(Arc::clone(scene), design, &camera));
+            return Ok(Arc::clone(cloth));
         }
         let mut before = Activity::Idle;
         self.publish(|shown| {
@@ -311,29 +305,27 @@ impl<'a> Worker<'a> {
                     || giving_up.is_some_and(|since| since.elapsed() >= GIVING_UP));
             cancel.load(Ordering::Relaxed) && !shows_nothing_else
         };
-        let compiler = &mut self.compiler;
-        let compiled = workers::with_all(|| {
-            compiler.compile_excerpt(design, excerpt, &Cancel::when(&is_given_up))
-        });
-        if compiled == Err(CompileError::Cancelled) && !was_glimpsed {
+        let maker = &mut self.maker;
+        let made = workers::with_all(|| maker.make(design, plan, &Cancel::when(&is_given_up)));
+        if made == Err(CompileError::Cancelled) && !was_glimpsed {
             self.giving_up.get_or_insert(start);
         } else {
             self.giving_up = None;
         }
-        let scene = compiled?;
-        if self.compiler.last_report().frames_made > 0 {
+        let cloth = Arc::new(made?);
+        if self.maker.last_report().frames_made > 0 {
             self.loops_took = start.elapsed();
         }
-        let warnings = scene::warnings(design, &scene);
+        let warnings = scene::warnings(design, &cloth.nearest);
         self.publish(|shown| {
             // Where the picture stays the same, so does what is being done.
             shown.activity = before;
-            shown.counts = scene.loops.counts;
+            shown.counts = cloth.counts();
             shown.warnings = warnings;
-            shown.scene = Some(Arc::clone(&scene));
+            shown.cloth = Some(Arc::clone(&cloth));
         });
-        self.compiled = Some((Arc::clone(design), Arc::clone(&scene)));
-        Ok(Sight::of(scene, design, &camera))
+        self.made = Some((Arc::clone(design), Arc::clone(&cloth)));
+        Ok(cloth)
     }
 
     /// Makes the backend unless it is there, and tells the largest side of its pictures.

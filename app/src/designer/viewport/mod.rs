@@ -412,9 +412,9 @@ impl Viewport {
         let camera = Camera::from_design(&self.camera);
         let pointer = response.hover_pos().filter(|_| !response.dragged());
         let readout = pointer
-            .zip(self.shown.scene.as_ref())
-            .and_then(|(at, scene)| {
-                Readout::new(design, scene, &camera, area.pixel(at), area.size)
+            .zip(self.shown.cloth.as_ref())
+            .and_then(|(at, cloth)| {
+                Readout::new(design, cloth, &camera, area.pixel(at), area.size)
             });
         if readout != self.readout {
             self.readout = readout;

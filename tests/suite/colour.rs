@@ -15,7 +15,7 @@ use renderer_core::design::{CameraDesign, Colour, Design, Method, Phase, Quality
 use renderer_core::geometry::Ray;
 use renderer_core::optics::{Lobe, Optics};
 use renderer_core::reference::{Scratch, Tracer};
-use renderer_core::render::{Camera, RenderRequest, Settings};
+use renderer_core::render::{Camera, Levels, RenderRequest, Settings};
 use renderer_core::sampling::{Pcg, directions};
 use renderer_core::scene::escape::{
     BIN_ENDS, BINS, Column, FRAME_LAMBERT, GRADIENT_LAMBERT, ISOTROPIC, KAJIYA_KAY,
@@ -52,6 +52,7 @@ fn request(scene: Scene, bounces: u32) -> RenderRequest {
     RenderRequest {
         scene: Arc::new(scene),
         camera: Camera::from_design(&camera),
+        levels: Levels::default(),
         size: [SIDE; 2],
         crop: [0, 0, SIDE, SIDE],
         settings: Settings {

@@ -1,36 +1,35 @@
-//! Cloth without end: an excerpt shows what the whole cloth shows there, halved cloth is as bright from everywhere, and a scene
-//! is as large as its picture.
+//! Excerpts: each shows what the whole cloth shows there, and halved cloth is as bright from everywhere. Which of them a picture
+//! needs is in `levels`.
 
 use std::sync::Arc;
 
 use renderer_core::cpu::CpuBackend;
 use renderer_core::design::{ChartImage, Colour, Design, Fit, Method, Pattern};
 use renderer_core::image::{Picture, metrics};
-use renderer_core::render::{Backend, Camera, Extent, RenderRequest, Sight, excerpt_for};
-use renderer_core::scene::{Cancel, CompileError, Compiler, Excerpt, Scene, compile};
+use renderer_core::render::{Backend, RenderRequest};
+use renderer_core::scene::{Cancel, Compiler, Excerpt, Scene};
 
 use crate::support::device::{exact_gpu, finish, reference};
 use crate::support::scenes::{preset_path, request, small_towel};
 
 /// The scene of an excerpt.
-fn compiled(design: &Design, excerpt: Excerpt) -> Arc<Scene> {
+pub fn compiled(design: &Design, excerpt: Excerpt) -> Arc<Scene> {
     let mut compiler = Compiler::default();
-    let scene = compiler.compile_excerpt(design, Some(excerpt), &Cancel::never());
+    let scene = compiler.compile_excerpt(design, excerpt, &Cancel::never());
     scene.unwrap()
 }
 
 /// The same picture from an excerpt.
 fn of_excerpt(request: &RenderRequest, design: &Design, excerpt: Excerpt) -> RenderRequest {
-    let sight = Sight::of(compiled(design, excerpt), design, &request.camera);
     RenderRequest {
-        scene: sight.scene,
-        camera: sight.camera,
+        scene: compiled(design, excerpt),
+        camera: excerpt.camera(design, &request.camera),
         ..request.clone()
     }
 }
 
 /// All of a cloth, halved.
-fn halved(design: &Design, halvings: u32) -> Excerpt {
+pub fn halved(design: &Design, halvings: u32) -> Excerpt {
     let whole = [design.sheet.warps, design.sheet.wefts];
     Excerpt {
         whole,
@@ -63,7 +62,7 @@ fn manifold() -> Design {
 }
 
 /// How many pixels differ by more than a hundredth of what is white.
-fn differing(a: &Picture, b: &Picture) -> usize {
+pub fn differing(a: &Picture, b: &Picture) -> usize {
     let pairs = a.pixels.iter().zip(&b.pixels);
     let is_near = |a: &[f32; 4], b: &[f32; 4]| {
         // NaN is near nothing.
@@ -142,117 +141,6 @@ fn halved_cloth_is_as_bright_from_everywhere() {
     }
 }
 
-/// A cloth of 10⁸ cells.
-fn endless() -> Design {
-    let mut design = small_towel();
-    (design.sheet.warps, design.sheet.wefts) = (10_000, 10_000);
-    design
-}
-
-fn seen_from(design: &mut Design, distance: f64) -> Camera {
-    design.view.cameras[0].distance = distance;
-    Camera::from_design(&design.view.cameras[0])
-}
-
-#[test]
-fn a_scene_is_as_large_as_its_picture_not_as_the_cloth() {
-    let mut design = endless();
-    let pitch = design.sheet.pitch_x().max(design.sheet.pitch_y());
-    let size = [320, 240];
-    let mut most = 0;
-    for distance in [20.0, 100.0, 500.0, 2500.0, 1e4, 5e4, 2e5] {
-        let camera = seen_from(&mut design, distance);
-        let excerpt = excerpt_for(&design, &camera, size, Extent::FINAL, None).unwrap();
-        most = most.max(excerpt.len());
-        // Near by it is the cloth itself; from afar loops are as wide as a pixel at most.
-        let pixel_mm = camera.pixel_mm_at(glam::DVec3::ZERO, size[1]);
-        let grown_mm = pitch / excerpt.scale();
-        assert!(
-            excerpt.halvings == 0 || grown_mm <= pixel_mm,
-            "{distance}: {excerpt:?}"
-        );
-        assert!(excerpt.halvings > 0 || pixel_mm < 4.0 * pitch, "{distance}");
-    }
-    // 16 to 64 cells a pixel where it is nearest, and what is beside the picture.
-    assert!(most < 100 * u64::from(size[0] * size[1]), "{most}");
-
-    // A cloth of a hundredth of the cells has the same scene.
-    let camera = seen_from(&mut design, 40.0);
-    let bytes = |design: &Design| {
-        let excerpt = excerpt_for(design, &camera, size, Extent::LIVE, None).unwrap();
-        let scene = compiled(design, excerpt);
-        (excerpt.cells, scene.loops.bytes() + 8 * scene.looks.len())
-    };
-    let mut smaller = design.clone();
-    (smaller.sheet.warps, smaller.sheet.wefts) = (2496, 2496);
-    let ([columns, rows], large) = bytes(&design);
-    let (cells, small) = bytes(&smaller);
-    // Excerpts begin at multiples of 32 cells, which lie otherwise.
-    assert!(columns.abs_diff(cells[0]) <= 64 && rows.abs_diff(cells[1]) <= 64);
-    assert!(
-        (0.5..2.0).contains(&(large as f64 / small as f64)),
-        "{large} {small}"
-    );
-}
-
-#[test]
-fn small_bent_and_filtered_cloth_is_made_whole() {
-    let mut design = endless();
-    let camera = seen_from(&mut design, 40.0);
-    let needs =
-        |design: &Design| excerpt_for(design, &camera, [64, 48], Extent::LIVE, None).is_some();
-    assert!(needs(&design));
-    let mut small = design.clone();
-    small.sheet.wefts = 400;
-    assert!(!needs(&small));
-    let mut bent = design.clone();
-    bent.form.kind = renderer_core::design::FormKind::Wave;
-    let mut filtered = design.clone();
-    filtered.turbulence.filter = renderer_core::design::Filter::Box;
-    // What each may have is told with what would allow more.
-    for (design, advice) in [(&bent, "form.kind"), (&filtered, "turbulence.filter")] {
-        assert!(!needs(design));
-        let Err(CompileError::Invalid(faults)) = compile(design) else {
-            panic!("too large");
-        };
-        let told = faults[0].to_string();
-        assert!(
-            faults.len() == 1 && told.contains("sheet.wefts") && told.contains(advice),
-            "{told}"
-        );
-    }
-    // What makes all of a cloth at once says so.
-    assert!(design.faults().is_empty());
-    let told = compile(&design).unwrap_err().to_string();
-    assert!(told.contains("at most 16000000 crossings"), "{told}");
-}
-
-#[test]
-fn an_excerpt_is_kept_while_it_holds_what_is_seen() {
-    let mut design = endless();
-    let size = [320, 240];
-    let seen = |design: &Design, x: f64, last: Option<&Excerpt>| {
-        let mut view = design.view.cameras[0].clone();
-        view.target[0] = x;
-        let camera = Camera::from_design(&view);
-        excerpt_for(design, &camera, size, Extent::LIVE, last).unwrap()
-    };
-    seen_from(&mut design, 300.0);
-    let first = seen(&design, 0.0, None);
-    assert_eq!(seen(&design, 3.0, Some(&first)), first);
-    let there = seen(&design, 200.0, Some(&first));
-    assert_ne!(there, first);
-    assert_eq!(there, seen(&design, 200.0, None));
-    assert!(!first.holds(&there) && first.holds(&first));
-    // One that is halved more often is not what is seen.
-    let coarse = halved(&design, 4);
-    assert_ne!(seen(&design, 0.0, Some(&coarse)), coarse);
-    // Beside the cloth something is made all the same, and views along the cloth's plane have an end.
-    assert!(!seen(&design, 1e5, None).is_empty());
-    design.view.cameras[0].elevation = 0.0;
-    assert!(seen(&design, 0.0, None).len() <= Extent::LIVE.cells);
-}
-
 #[test]
 fn patterns_larger_than_what_is_merged_keep_their_size() {
     // Stripes of 16 warps: loops on half of them.
@@ -276,39 +164,4 @@ fn patterns_larger_than_what_is_merged_keep_their_size() {
             assert_eq!(stands, expected, "halved {halvings} times, warp {i}");
         }
     }
-}
-
-#[test]
-#[ignore = "long: about 60 s"]
-fn zooming_jumps_no_more_than_without_halving() {
-    let mut design = towel_designer::files::load_design(&preset_path("paper-fig12")).unwrap();
-    design.chart.pixels = None;
-    (design.sheet.warps, design.sheet.wefts) = (1024, 1024);
-    design.quality.method = Method::Tracked;
-    (design.quality.bounces, design.quality.samples) = (1, 256);
-    let pitch = design.sheet.pitch_x().max(design.sheet.pitch_y());
-    let size = [24, 24];
-    // From 6 to 12 cells a pixel: halved once from 8 on.
-    let frames = (0..15).map(|k| 6.0 * 1.05_f64.powi(k) * pitch * 24.0);
-    let mut pictures = frames.map(|height| {
-        design.view.cameras[0].orthographic_height = Some(height);
-        let whole = request(&design, size);
-        let is_halved = height >= 8.0 * pitch * 24.0;
-        let shown = of_excerpt(&whole, &design, halved(&design, u32::from(is_halved)));
-        [whole, shown].map(|request| finish(&mut CpuBackend::default(), &request))
-    });
-    let mut last = pictures.next().unwrap();
-    let mut largest = [0.0_f64; 2];
-    for picture in pictures {
-        for (side, largest) in largest.iter_mut().enumerate() {
-            let jump = metrics::rel_rmse(&picture[side], &last[side]).unwrap();
-            *largest = largest.max(jump);
-            eprintln!("JUMP {side} {jump:.4}");
-        }
-        last = picture;
-    }
-    let [without, with] = largest;
-    eprintln!("jumps: {without:.4} without, {with:.4} with halving");
-    // Found: up to 5 % more, of which one or two are noise: pixels have a quarter of the loops, and so more left of their texture.
-    assert!(with <= without * 1.1, "{with} {without}");
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use renderer_core::design::{AreaLight, CameraDesign, Design, Method, Sun};
 use renderer_core::reference::{Scratch, Tracer};
 use renderer_core::render::accumulation::Sample;
-use renderer_core::render::{Camera, FirstLook, RenderRequest, Settings};
+use renderer_core::render::{Camera, FirstLook, Levels, RenderRequest, Settings};
 use renderer_core::scene::{Compiler, Scene, SeenScene};
 
 use crate::support::scenes::small_towel;
@@ -26,6 +26,7 @@ fn coarse(scene: &Arc<Scene>, design: &Design, camera: &Camera, size: [u32; 2]) 
     let request = RenderRequest {
         scene: Arc::clone(scene),
         camera: *camera,
+        levels: Levels::default(),
         size,
         crop: [0, 0, size[0], size[1]],
         settings: Settings::from(&design.quality),

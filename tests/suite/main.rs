@@ -32,6 +32,7 @@ mod grid;
 mod height;
 mod intervals;
 mod layout;
+mod levels;
 mod lobes;
 mod materials;
 mod metrics;

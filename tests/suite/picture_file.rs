@@ -10,7 +10,8 @@ use std::time::{Duration, Instant};
 use renderer_core::design::Design;
 use renderer_core::image::{Depth, Display, ExrLayer, Picture};
 use renderer_core::render::{
-    Backend, BackendKind, Camera, Counters, Progress, RenderError, RenderRequest, Settings,
+    Backend, BackendKind, Camera, Counters, Levels, Progress, RenderError, RenderRequest, Settings,
+    Sight,
 };
 use renderer_core::scene;
 use tempfile::TempDir;
@@ -232,8 +233,11 @@ fn order(size: [u32; 2], samples: u32, format: Format) -> Order {
     let mut small = design.clone();
     (small.sheet.warps, small.sheet.wefts) = (2, 2);
     Order {
-        scene: Arc::new(scene::compile(&small).unwrap()),
-        camera: Camera::from_design(&design.view.cameras[0]),
+        sight: Sight {
+            scene: Arc::new(scene::compile(&small).unwrap()),
+            camera: Camera::from_design(&design.view.cameras[0]),
+            levels: Levels::default(),
+        },
         size,
         crop: [0, 0, size[0], size[1]],
         settings: Settings {

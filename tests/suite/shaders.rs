@@ -72,6 +72,7 @@ fn all_needs() -> Vec<SceneNeeds> {
                         owen: on(3) == on(5),
                         sky: flags % 3,
                         drawn_sky: on(4) && flags % 3 == 2 && on(1),
+                        levels: on(1) == on(5),
                         aov: on(5),
                         counters: on(6),
                         filter_f32: on(6),

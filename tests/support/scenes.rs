@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use renderer_core::design::{Back, Design, Method, Pattern};
-use renderer_core::render::{Camera, Extent, RenderRequest, Settings, Sight};
-use renderer_core::scene::{Cancel, Compiler};
+use renderer_core::render::{Camera, ClothMaker, Extent, RenderRequest, Settings, Sight};
+use renderer_core::scene::Cancel;
 
 /// A towel of 12 × 10 crossings in several colours of loop, some left bare, with thin yarns that leave gaps.
 pub fn small_towel() -> Design {
@@ -27,22 +27,10 @@ pub fn small_towel() -> Design {
 pub fn request(design: &Design, size: [u32; 2]) -> RenderRequest {
     let camera = Camera::from_design(&design.view.cameras[0]);
     let (extent, never) = (Extent::LIVE, Cancel::never());
-    let sight = Sight::new(
-        &mut Compiler::default(),
-        design,
-        &camera,
-        size,
-        extent,
-        &never,
-    );
-    let Sight { scene, camera } = sight.unwrap();
-    RenderRequest {
-        scene,
-        camera,
-        size,
-        crop: [0, 0, size[0], size[1]],
-        settings: Settings::from(&design.quality),
-    }
+    let mut maker = ClothMaker::default();
+    let sight = Sight::new(&mut maker, design, &camera, size, extent, &never);
+    let settings = Settings::from(&design.quality);
+    sight.unwrap().request(size, settings)
 }
 
 /// A shipped preset.

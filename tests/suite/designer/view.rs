@@ -454,8 +454,8 @@ fn cloth_without_end_is_made_where_one_looks() {
     let preset = crate::support::scenes::preset_path("endless-carpet");
     let mut harness = designer(Some(preset));
     let excerpt = |h: &Harness<'_, App>| {
-        let scene = h.state().viewport().shown().scene.as_ref();
-        scene.and_then(|scene| scene.sheet.excerpt)
+        let cloth = h.state().viewport().shown().cloth.as_ref();
+        cloth.and_then(|cloth| cloth.nearest.sheet.excerpt)
     };
     wait(&mut harness, "the picture", |h| {
         h.state().viewport().shown().progress.done

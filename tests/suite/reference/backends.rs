@@ -12,8 +12,8 @@ use renderer_core::image::metrics;
 use renderer_core::reference::ReferenceBackend;
 use renderer_core::render::accumulation::{Accumulation, Pass, Sample};
 use renderer_core::render::{
-    Backend, BackendKind, Camera, Counters, Progress, RenderError, RenderRequest, Settings, Skip,
-    Skips,
+    Backend, BackendKind, Camera, Counters, Levels, Progress, RenderError, RenderRequest, Settings,
+    Skip, Skips,
 };
 use renderer_core::sampling::scramble_of;
 use renderer_core::scene::compile;
@@ -38,6 +38,7 @@ fn request(method: Method) -> RenderRequest {
     RenderRequest {
         scene: Arc::new(compile(&design).expect("a valid design")),
         camera,
+        levels: Levels::default(),
         size: [61, 45],
         crop: [0, 0, 61, 45],
         settings: Settings {

@@ -9,7 +9,7 @@ use renderer_core::design::{
 };
 use renderer_core::geometry::{BilinearPatch, LoopFrame, Ray, orthonormal_basis};
 use renderer_core::reference::Tracer;
-use renderer_core::render::{Camera, RenderRequest, Settings, Skips};
+use renderer_core::render::{Camera, Levels, RenderRequest, Settings, Skips};
 use renderer_core::sampling::{self, Pcg, Set};
 use renderer_core::scene::{Loops, Scene, Section, SunLight, Volumes, compile};
 
@@ -130,6 +130,7 @@ pub fn request(scene: Scene, method: Method, bounces: u32) -> RenderRequest {
     RenderRequest {
         scene: Arc::new(scene),
         camera: Camera::from_design(&CameraDesign::default()),
+        levels: Levels::default(),
         size: [64, 64],
         crop: [0, 0, 64, 64],
         settings: Settings {

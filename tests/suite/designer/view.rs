@@ -496,7 +496,25 @@ fn cloth_without_end_is_made_where_one_looks() {
     wait(&mut harness, "the carpet from afar", |h| {
         excerpt(h).is_some_and(|excerpt| excerpt.halvings > 0)
     });
-    assert!(excerpt(&harness).is_some_and(|excerpt| excerpt.len() <= 1 << 20));
+    let far = excerpt(&harness).expect("an excerpt");
+    assert!(far.len() <= 1 << 20);
+
+    // Where the camera leaves what is there, a coarse picture of the rest is shown before all of it is made.
+    wait(&mut harness, "the whole picture", |h| {
+        h.state().viewport().shown().progress.done
+    });
+    for _ in 0..3 {
+        by(&mut harness, vec2(-300.0, 0.0));
+    }
+    let was_glimpsed = std::cell::Cell::new(false);
+    wait(&mut harness, "the cloth there", |h| {
+        let shown = h.state().viewport().shown();
+        if shown.is_reduced && excerpt(h) == Some(far) {
+            was_glimpsed.set(true);
+        }
+        excerpt(h) != Some(far)
+    });
+    assert!(was_glimpsed.get());
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use renderer_core::design::{Design, FormKind};
-use renderer_core::render::{Camera, FirstLook, Settings};
+use renderer_core::render::{Camera, Extent, FirstLook, Settings};
 use renderer_core::scene::SeenCells;
 
 use super::job::first_divisor;
@@ -17,6 +17,21 @@ const COARSEST: u32 = 64;
 /// How far around the rays of camera and suns the pile is whole: several times the way that light goes in dense pile from one
 /// scattering to the next. On a million default loops no picture's brightness changed by more than 0.1 %.
 const AROUND_MM: f64 = 0.5;
+
+/// How much of a cloth that is made in parts is made for a first look: in some twentieths of a second.
+pub const LEVELS: Extent = Extent {
+    cells: 1 << 16,
+    spare: 0.0,
+};
+/// Width and height of a first look at such cloth are at most those of the picture divided by this: loops as coarse as its
+/// [`LEVELS`] have to be would show in a finer one.
+const FINEST_OF_LEVELS: u32 = 4;
+
+/// The size of a first look at cloth that is made in parts, as a share of the picture's, at `cost` seconds for a sample of a
+/// pixel.
+pub fn divisor_of_levels(size: [u32; 2], cost: Option<f64>) -> u32 {
+    first_divisor(cost, size).max(FINEST_OF_LEVELS)
+}
 
 /// A coarse picture.
 pub struct Plan {

@@ -1,18 +1,17 @@
 //! What the thread does: takes a wish, makes its scene and its picture, and answers failures.
 
+mod glimpse;
+
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use renderer_core::design::Design;
 use renderer_core::image::Display;
-use renderer_core::render::{
-    Camera, Cloth, ClothMaker, Extent, LevelPlan, Levels, Progress, RenderError, RenderRequest,
-};
-use renderer_core::scene::{self, Cancel, CompileError, Excerpt, SeenScene};
+use renderer_core::render::{Camera, Cloth, ClothMaker, Extent, LevelPlan, Progress, RenderError};
+use renderer_core::scene::{self, Cancel, CompileError};
 
 use super::fallback::{Fallback, Remedy};
-use super::first_look;
 use super::job::Job;
 use super::stand_in::StandIn;
 use super::{Activity, Shared, Shown, Wish, lock};
@@ -57,6 +56,8 @@ pub struct Worker<'a> {
     fallback: Fallback,
     wish: Option<Wish>,
     maker: ClothMaker,
+    /// Makes cloth for first looks.
+    glimpse_maker: ClothMaker,
     /// The last cloth and its design.
     made: Option<(Arc<Design>, Arc<Cloth>)>,
     /// Since when scenes have been given up without one being finished.
@@ -83,6 +84,7 @@ impl<'a> Worker<'a> {
             fallback: Fallback::default(),
             wish: None,
             maker: ClothMaker::default(),
+            glimpse_maker: ClothMaker::default(),
             made: None,
             giving_up: None,
             loops_took: Duration::ZERO,
@@ -185,111 +187,24 @@ impl<'a> Worker<'a> {
         self.begin()
     }
 
-    /// Shows a coarse picture of a design whose scene will take long, from a scene with only those loops that it needs. True
-    /// if there is something to see.
-    fn glimpse(&mut self, wish: &Wish) -> Result<bool, Failure> {
-        let start = Instant::now();
-        let cancel = &self.shared.cancel;
-        let is_given_up = || cancel.load(Ordering::Relaxed) && start.elapsed() > FINISHED_ANYWAY;
-        let Some(request) = self.glance(wish, &is_given_up)? else {
-            return Ok(false);
-        };
-        // Whatever was in work is of another design.
-        self.job = None;
-        let Some((_, renderer)) = &mut self.renderer else {
-            return Ok(false);
-        };
-        let backend = renderer.backend();
-        workers::with_all(|| backend.begin_soon(&request))?;
-        if !backend.is_ready()? {
-            return Ok(false);
-        }
-        let never = AtomicBool::new(false);
-        let mut progress = Progress::default();
-        while !progress.done {
-            if is_given_up() {
-                return Ok(false);
-            }
-            progress = advance(renderer, &never)?;
-        }
-        let developer = &mut self.developer;
-        let image = workers::with_all(|| developer.shoot(renderer, wish.display, 0.0))?;
-        self.display = Some(wish.display);
-        self.publish(|shown| {
-            shown.image = image;
-            shown.version += 1;
-            shown.progress = Progress {
-                done: false,
-                ..progress
-            };
-            shown.is_reduced = true;
-            shown.is_first = true;
-            shown.is_unseen = false;
-            shown.error = None;
-            shown.seconds = start.elapsed().as_secs_f64();
-        });
-        Ok(true)
+    /// The parts of the cloth that a wish's picture shows; those that are there as long as they hold it.
+    fn plan(&self, wish: &Wish, camera: &Camera) -> LevelPlan {
+        let last = self.made.as_ref().map(|(_, cloth)| &cloth.plan);
+        LevelPlan::new(&wish.design, camera, wish.size, Extent::LIVE, last)
     }
 
-    /// What to draw for a first look at a wish, if its scene will take long; `None` if not, or if it is there.
-    fn glance(
-        &mut self,
-        wish: &Wish,
-        is_given_up: &(dyn Fn() -> bool + Sync),
-    ) -> Result<Option<RenderRequest>, Failure> {
-        let is_edit =
-            (self.made.as_ref()).is_some_and(|(design, _)| !Arc::ptr_eq(design, &wish.design));
-        let choice = wish.choice.for_method(wish.design.quality.method);
-        let choice = self.fallback.effective(choice);
-        let largest_side = match &mut self.renderer {
-            Some((made, renderer)) if *made == choice => renderer.backend().largest_side(),
-            _ => return Ok(None),
-        };
-        if !is_edit
-            || self.loops_took < first_look::WORTH_IT
-            || Excerpt::is_needed(&wish.design)
-            || !wish.design.faults().is_empty()
-            || self.maker.whole().has_loops_of(&wish.design)
-        {
-            return Ok(None);
-        }
-        let size = self.fallback.fitted(wish.size, largest_side);
-        let settings = wish.light.settings(&wish.design);
-        let camera = Camera::from_design(&wish.camera);
-        let plan = workers::with_all(|| {
-            first_look::plan(&wish.design, &camera, size, &settings, self.cost)
-        });
-        let Some(look) = plan else {
-            return Ok(None);
-        };
-        self.publish(|shown| shown.activity = Activity::Compiling);
-        let compiler = self.maker.whole();
-        let made = workers::with_all(|| {
-            compiler.compile_seen(&wish.design, &look.seen, &Cancel::when(is_given_up))
-        })?;
-        let SeenScene::Part(scene) = made else {
-            return Ok(None);
-        };
-        let whole = RenderRequest {
-            scene,
-            camera,
-            levels: Levels::default(),
-            size,
-            crop: [0, 0, size[0], size[1]],
-            settings,
-        };
-        Ok(Some(Job::glance(&whole, look.divisor)))
+    fn is_made(&self, wish: &Wish, plan: &LevelPlan) -> bool {
+        let made = self.made.as_ref();
+        made.is_some_and(|(design, cloth)| Arc::ptr_eq(design, &wish.design) && cloth.plan == *plan)
     }
 
     /// The cloth that a wish's picture shows; given up for a newer wish sooner where something of it could be seen already.
     fn cloth_of(&mut self, wish: &Wish, was_glimpsed: bool) -> Result<Arc<Cloth>, CompileError> {
         let design = &wish.design;
         let camera = Camera::from_design(&wish.camera);
-        let last = self.made.as_ref().map(|(_, cloth)| &cloth.plan);
-        let plan = LevelPlan::new(design, &camera, wish.size, Extent::LIVE, last);
-        if let Some((made, cloth)) = &self.made
-            && Arc::ptr_eq(made, design)
-            && cloth.plan == plan
+        let plan = self.plan(wish, &camera);
+        if let Some((_, cloth)) = &self.made
+            && self.is_made(wish, &plan)
         {
             return Ok(Arc::clone(cloth));
         }

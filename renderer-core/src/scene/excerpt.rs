@@ -2,7 +2,7 @@
 //! scene is as large as its picture, not as the cloth.
 //!
 //! A cloth seen from far away is drawn *halved*, `n` times: with as many loops fewer along each side, each the copy of a real one
-//! out of its 2ⁿ × 2ⁿ neighbours, and 2ⁿ times as large in every direction. Light goes through pile that is grown evenly as it
+//! out of its 2ⁿ × 2ⁿ neighbours, in the mean of their colours, and 2ⁿ times as large in every direction. Light goes through pile that is grown evenly as it
 //! goes through the pile itself, since extinction times length stays what it is: the mean radiance of a pixel that covers many
 //! loops is the same from every side and under every light, which it is not if densities are averaged (what passes between two
 //! loops does not pass through their mean). What changes is the texture below a pixel, and the noise that is left of it.
@@ -20,6 +20,9 @@ use crate::sampling::hash_with;
 
 /// Shortest waves of the texture of halved cloth, in its loops, that keep their size in the cloth: some pixels.
 const SEEN_WAVE: f64 = 16.0;
+
+/// Cells along each side, out of all that a cell of halved cloth covers, whose colours are mixed.
+pub const SPREAD: u32 = 4;
 
 /// A rectangle of the cells of a cloth that is halved some times.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -74,17 +77,39 @@ impl Excerpt {
     }
 
     /// The cell of the whole cloth whose loops stand in cell (i, j) of the excerpt: one of those that it covers, by chance, so
-    /// that colours, lengths and kinds keep their shares.
+    /// that lengths and kinds keep their shares.
     pub fn original(&self, i: usize, j: usize) -> [usize; 2] {
+        let (hash, side) = (self.hash(i, j), 1_u32 << self.halvings);
+        self.within(i, j, [0, 1].map(|axis| hash_with(hash, axis) & (side - 1)))
+    }
+
+    /// Cells of the whole cloth spread over all those that cell (i, j) covers: all of them, or one out of each of
+    /// [`SPREAD`]² equal parts.
+    pub fn spread_originals(&self, i: usize, j: usize) -> impl Iterator<Item = [usize; 2]> {
+        let (hash, side) = (self.hash(i, j), 1_u32 << self.halvings);
+        let parts = side.min(SPREAD);
+        let part_side = side / parts;
+        (0..parts * parts).map(move |part| {
+            let corner = [part % parts, part / parts];
+            let within = [0, 1].map(|axis| {
+                let by_chance = hash_with(hash, 2 + 2 * part + axis as u32) & (part_side - 1);
+                corner[axis] * part_side + by_chance
+            });
+            self.within(i, j, within)
+        })
+    }
+
+    /// Random bits of a cell.
+    fn hash(&self, i: usize, j: usize) -> u32 {
+        let [x, y] = [self.first[0] + i as u32, self.first[1] + j as u32];
+        hash_with(hash_with(hash_with(self.halvings, 0xe7), x), y)
+    }
+
+    /// The cell at a place among those that cell (i, j) covers.
+    fn within(&self, i: usize, j: usize, place: [u32; 2]) -> [usize; 2] {
         let halved = [self.first[0] as usize + i, self.first[1] as usize + j];
-        let side = 1_u32 << self.halvings;
-        let hash = hash_with(
-            hash_with(hash_with(self.halvings, 0xe7), halved[0] as u32),
-            halved[1] as u32,
-        );
-        let within = [0, 1].map(|axis| (hash_with(hash, axis) & (side - 1)) as usize);
         [0, 1].map(|axis| {
-            let cell = halved[axis] * side as usize + within[axis];
+            let cell = (halved[axis] << self.halvings) + place[axis] as usize;
             cell.min(self.whole[axis] as usize - 1)
         })
     }

@@ -8,7 +8,7 @@ use super::finish::{is_shorn, shear_mm, shorn, wet_pile, wet_reflectance};
 use super::frames::loop_hash;
 use super::length::{ColourCache, LengthRule};
 use super::skeleton::Face;
-use super::{Cancel, LoopLook, Loops, Material, PileOptics, SheetGeometry};
+use super::{Cancel, Excerpt, LoopLook, Loops, Material, PileOptics, SheetGeometry};
 use crate::design::{Colour, Design, Phase, Pile, PileKind, Sheared};
 use crate::sampling::hash_with;
 
@@ -126,29 +126,42 @@ pub(super) fn looks(
         .iter()
         .map(|material| AlbedoTable::new(&dye(material)))
         .collect();
-    let of_colour = |colour: [u8; 3]| -> ([u16; 3], u8) {
+    // Albedo and material of a loop that has the length, the pile and so on of one colour, and looks like some linear light.
+    let dyed = |colour: [u8; 3], linear: [f64; 3]| -> ([u16; 3], u8) {
         let row = rule.row(colour);
         let scale = row.map_or(1.0, |row| design.length.table[row].albedo_scale);
         let material = row.map_or(0, |row| materials.of_row[row]);
         let table = &tables[usize::from(material)];
-        let albedo = wet_albedo_from_reflectance(Colour(colour).linear(), table, wetness);
+        let albedo = wet_albedo_from_reflectance(linear, table, wetness);
         let stored = albedo.map(|a| ((a * scale).clamp(0.0, 1.0) * 65535.0).round() as u16);
         (stored, material)
     };
+    let of_colour = |colour: [u8; 3]| dyed(colour, Colour(colour).linear());
+    let merging = sheet.excerpt.filter(|excerpt| excerpt.halvings > 0);
+    let merging = merging.filter(|_| !chart.is_uniform());
     let rows: Vec<Vec<LoopLook>> = (0..loops.sheet_block_rows(sheet))
         .into_par_iter()
         .map_init(
-            || ColourCache::new(of_colour),
-            |cache, row| {
+            || {
+                let linear = |colour| Colour(colour).linear();
+                (ColourCache::new(of_colour), ColourCache::new(linear))
+            },
+            |(cache, linear), row| {
                 if cancel.is_cancelled() {
                     return Vec::new();
                 }
                 let looks = loops.planted_in_block_row(sheet, row).map(|planted| {
-                    let [i, j] = planted.cell.map(|index| index as usize);
-                    let [i, j] = sheet.original(i, j);
+                    let cell = planted.cell.map(|index| index as usize);
+                    let [i, j] = sheet.original(cell[0], cell[1]);
                     // A loop stands only where the chart has a colour.
                     let colour = chart.colour(i, j).unwrap_or_default();
-                    let (albedo, material) = cache.get(colour);
+                    let mean = merging.and_then(|excerpt| {
+                        mean_colour(&excerpt, &chart, cell, colour, |colour| linear.get(colour))
+                    });
+                    let (albedo, material) = match mean {
+                        Some(mean) => dyed(colour, mean),
+                        None => cache.get(colour),
+                    };
                     let hash = loop_hash(design.turbulence.seed, i as u32, j as u32, planted.face);
                     let is_shorn = |shear_mm| {
                         let patch = loops.patch(planted.index as usize);
@@ -171,4 +184,26 @@ pub(super) fn looks(
         )
         .collect();
     rows.concat()
+}
+
+/// The mean of the colours that a cell of halved cloth stands for, linear; `None` if all are `own`. A loop that had one of them
+/// by chance would have the right mean as well, but what a chart draws would go down in noise where loops are larger than it.
+fn mean_colour(
+    excerpt: &Excerpt,
+    chart: &ChartOnSheet<'_>,
+    [i, j]: [usize; 2],
+    own: [u8; 3],
+    mut linear: impl FnMut([u8; 3]) -> [f64; 3],
+) -> Option<[f64; 3]> {
+    let (mut sum, mut count, mut differ) = ([0.0; 3], 0.0, false);
+    for [i, j] in excerpt.spread_originals(i, j) {
+        let Some(colour) = chart.colour(i, j) else {
+            continue;
+        };
+        differ |= colour != own;
+        let linear = linear(colour);
+        sum = [0, 1, 2].map(|channel| sum[channel] + linear[channel]);
+        count += 1.0;
+    }
+    differ.then(|| sum.map(|sum| sum / count))
 }

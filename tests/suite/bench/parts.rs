@@ -157,9 +157,9 @@ fn every_part_writes_its_table_and_plots() {
     assert_eq!(forms.column("measured")[0], "yes");
     assert_eq!(forms.column("form").len(), 7);
     let piles = Table::read(&out.join("piles.csv"));
-    assert_eq!(piles.column("measured"), ["yes"; 9]);
+    assert_eq!(piles.column("measured"), ["yes"; 10]);
     let lights = Table::read(&out.join("lights.csv"));
-    assert_eq!(lights.column("measured"), ["yes"; 6]);
+    assert_eq!(lights.column("measured"), ["yes"; 12]);
     let noise = lights.numbers("noise of these [relRMSE]");
     let of = |name: &str| {
         let row = lights
@@ -385,8 +385,10 @@ fn every_edit_changes_what_it_is_called_after_and_is_taken_back() {
         let mut original = towel_designer::files::load_design(&path).unwrap();
         (original.sheet.warps, original.sheet.wefts) = (16, 14);
         let first = &original.view.cameras[0];
-        assert_ne!(camera(first, true), *first);
-        assert_eq!(camera(first, false), *first);
+        for kind in [Edit::Camera, Edit::Pan] {
+            assert_ne!(camera(first, kind, true), *first);
+            assert_eq!(camera(first, kind, false), *first);
+        }
         for kind in Edit::ALL {
             let mut compiler = Compiler::default();
             let before = compiler.compile(&original).unwrap();
@@ -397,7 +399,7 @@ fn every_edit_changes_what_it_is_called_after_and_is_taken_back() {
             let same = after.same_sections(&before);
             let changed = |name| !same[SECTIONS.iter().position(|s| *s == name).unwrap()];
             let expected = match kind {
-                Edit::Camera => None,
+                Edit::Camera | Edit::Pan => None,
                 Edit::Light => Some("lights"),
                 // With a chart on all of the cloth its own colour cannot be seen.
                 Edit::Colour if original.chart.pixels.is_some() => None,
@@ -407,7 +409,7 @@ fn every_edit_changes_what_it_is_called_after_and_is_taken_back() {
             if let Some(section) = expected {
                 assert!(changed(section), "{preset}, {}: {same:?}", kind.name());
             } else {
-                assert!(kind == Edit::Camera || kind == Edit::Colour);
+                assert!([Edit::Camera, Edit::Pan, Edit::Colour].contains(&kind));
             }
             edit(&mut design, kind, &original, false);
             assert_eq!(design, original, "{preset}, {}", kind.name());

@@ -6,8 +6,9 @@ use std::fmt::Write as _;
 use std::time::{Duration, Instant};
 
 use renderer_core::design::{
-    AreaLight, Design, Environment, EnvironmentImage, EnvironmentKind, EnvironmentReader, Finish,
-    Form, FormKind, HeightImage, Light, PileKind, Sheared, Sun, nap_edit,
+    AreaLight, ChartImage, Colour, Design, Environment, EnvironmentImage, EnvironmentKind,
+    EnvironmentReader, Finish, Fit, Form, FormKind, HeightImage, LengthEntry, LengthMap, Light,
+    Phase, PileKind, Sheared, Sun, nap_edit,
 };
 use renderer_core::render::Backend;
 use renderer_core::scene::{Compiler, net_through};
@@ -17,6 +18,7 @@ use super::drawing::{self, draw};
 use super::summary::seconds;
 use super::{Conditions, Measured};
 use crate::clock::{Spent, cost_is_processor_time};
+use crate::designer::panels::ReadyLight;
 
 /// Pixels along each side of the height picture.
 const HILL: usize = 64;
@@ -56,7 +58,7 @@ impl Found {
     }
 }
 
-/// The preset in its own light, then in each kind alone.
+/// The preset in its own light, then in each kind alone, then in the lights that the designer has ready.
 pub fn lights(design: &Design) -> Vec<(&'static str, Design)> {
     let lit = |(name, light)| {
         let design = Design {
@@ -65,7 +67,12 @@ pub fn lights(design: &Design) -> Vec<(&'static str, Design)> {
         };
         (name, design)
     };
-    each_light(design).into_iter().map(lit).collect()
+    let ready = ReadyLight::ALL.map(|ready| (ready.name(), ready.applied_to(design)));
+    each_light(design)
+        .into_iter()
+        .chain(ready)
+        .map(lit)
+        .collect()
 }
 
 /// The preset's cloth level, then bent in each way, as long as it is for its pile.
@@ -119,7 +126,8 @@ pub fn forms(design: &Design) -> Vec<(&'static str, Design)> {
     ]
 }
 
-/// The preset's own pile, then all of it of each other kind, then what is done to its own.
+/// The preset's own pile, then all of it of each other kind, then cloth whose chart tells the pile of each loop, then what is done
+/// to its own.
 pub fn piles(design: &Design) -> Vec<(&'static str, Design)> {
     let own = || design.clone();
     let mut all = vec![("the preset's own", own())];
@@ -135,6 +143,7 @@ pub fn piles(design: &Design) -> Vec<(&'static str, Design)> {
             all.push((kind.label(), design));
         }
     }
+    all.push(("a kind, lean and material by colour", by_colour(design)));
     let mut done = |name, change: &dyn Fn(&mut Design)| {
         let mut design = own();
         design.finish = Finish::default();
@@ -153,6 +162,43 @@ pub fn piles(design: &Design) -> Vec<(&'static str, Design)> {
         design.nap.pixels = upright.map(|map| nap_edit::stripes(&map, &design.sheet));
     });
     all
+}
+
+/// The preset's cloth under a chart of squares in three colours, each of which has pile of its own.
+fn by_colour(design: &Design) -> Design {
+    const COLOURS: [[u8; 3]; 3] = [[200, 60, 40], [240, 230, 210], [40, 70, 120]];
+    const SQUARE: usize = 8;
+    const SIDE: usize = 3 * SQUARE;
+    let texel = |k: usize| {
+        let [r, g, b] = COLOURS[(k % SIDE / SQUARE + k / SIDE / SQUARE) % 3];
+        [r, g, b, 255]
+    };
+    let texels: Vec<[u8; 4]> = (0..SIDE * SIDE).map(texel).collect();
+    let mut design = design.clone();
+    design.chart.image = Some("bench".into());
+    design.chart.pixels = ChartImage::new(SIDE, SIDE, &texels);
+    design.chart.fit = Fit::Tile;
+    let length = design.length.longest();
+    let row = |index: usize| LengthEntry {
+        colour: Colour(COLOURS[index]),
+        length: length * (1.0 - 0.2 * index as f64),
+        ..LengthEntry::default()
+    };
+    design.length.map = LengthMap::Lut;
+    design.length.table = vec![
+        LengthEntry {
+            kind: Some(PileKind::Cut),
+            phase: Some(Phase::KajiyaKay),
+            ..row(0)
+        },
+        LengthEntry {
+            kind: Some(PileKind::Twisted),
+            lean_y: Some(25.0),
+            ..row(1)
+        },
+        row(2),
+    ];
+    design
 }
 
 /// The preset's own light, then each kind alone.
@@ -195,6 +241,11 @@ fn each_light(design: &Design) -> Vec<(&'static str, Light)> {
         };
         alone(Vec::new(), Vec::new(), environment)
     };
+    let gradient = Environment {
+        kind: EnvironmentKind::Gradient,
+        radiance: 1.0,
+        ..Environment::default()
+    };
     let sunny = sky(Some((azimuth, elevation, irradiance)));
     let by_phase = sunny.as_ref().map(EnvironmentImage::drawn_by_phase);
     vec![
@@ -203,7 +254,26 @@ fn each_light(design: &Design) -> Vec<(&'static str, Light)> {
             "a small sun",
             alone(vec![sun(0.5)], Vec::new(), dark.clone()),
         ),
+        (
+            "three suns around it",
+            alone(
+                [[255, 120, 90], [120, 255, 140], [110, 140, 255]]
+                    .into_iter()
+                    .zip([0.0, 120.0, 240.0])
+                    .map(|(colour, turn)| Sun {
+                        azimuth: turn - 90.0,
+                        elevation: 25.0,
+                        irradiance: irradiance / 3.0,
+                        colour: Colour(colour),
+                        ..sun(6.0)
+                    })
+                    .collect(),
+                Vec::new(),
+                dark.clone(),
+            ),
+        ),
         ("an area light", alone(Vec::new(), vec![area], dark)),
+        ("a gradient", alone(Vec::new(), Vec::new(), gradient)),
         ("an overcast picture", picture(sky(None))),
         ("a picture with a sun", picture(sunny)),
         ("the same, looked at by the phase alone", picture(by_phase)),

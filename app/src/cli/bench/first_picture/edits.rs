@@ -2,11 +2,15 @@
 
 use renderer_core::design::{CameraDesign, ChartImage, Design, Pattern};
 
+use crate::designer::camera_moves::picture_height_mm;
+
 /// What is edited.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Edit {
     /// The camera goes around the cloth.
     Camera,
+    /// It goes on along the cloth by half of what it sees: of cloth without end, beyond what is made.
+    Pan,
     /// The suns move, or where there is none, the sky gets brighter.
     Light,
     /// All loops have another colour.
@@ -23,8 +27,9 @@ pub enum Edit {
 
 impl Edit {
     /// Each kind.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Camera,
+        Self::Pan,
         Self::Light,
         Self::Colour,
         Self::Length,
@@ -37,6 +42,7 @@ impl Edit {
     pub fn name(self) -> &'static str {
         match self {
             Self::Camera => "camera",
+            Self::Pan => "pan",
             Self::Light => "light",
             Self::Colour => "colour",
             Self::Length => "length",
@@ -47,11 +53,13 @@ impl Edit {
     }
 }
 
-/// The camera of a preset, or one a little around the cloth from it.
-pub fn camera(original: &CameraDesign, forth: bool) -> CameraDesign {
+/// The camera of a preset, or where an edit has moved it.
+pub fn camera(original: &CameraDesign, edit: Edit, forth: bool) -> CameraDesign {
     let mut camera = original.clone();
-    if forth {
-        camera.azimuth += a_little(camera.azimuth);
+    match edit {
+        Edit::Camera if forth => camera.azimuth += a_little(camera.azimuth),
+        Edit::Pan if forth => camera.target[0] += 0.5 * picture_height_mm(original),
+        _ => {}
     }
     camera
 }
@@ -65,7 +73,7 @@ fn a_little(angle: f64) -> f64 {
 pub fn edit(design: &mut Design, edit: Edit, original: &Design, forth: bool) {
     if !forth {
         match edit {
-            Edit::Camera => {}
+            Edit::Camera | Edit::Pan => {}
             Edit::Light => design.light = original.light.clone(),
             Edit::Colour => design.chart.colour = original.chart.colour,
             Edit::Length => design.length = original.length.clone(),
@@ -76,7 +84,7 @@ pub fn edit(design: &mut Design, edit: Edit, original: &Design, forth: bool) {
         return;
     }
     match edit {
-        Edit::Camera => {}
+        Edit::Camera | Edit::Pan => {}
         Edit::Light => match design.light.sun.first_mut() {
             Some(sun) => sun.azimuth += a_little(sun.azimuth),
             None => design.light.environment.radiance += 0.1,

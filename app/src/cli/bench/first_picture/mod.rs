@@ -98,9 +98,9 @@ pub fn measure(
                 round + 1
             ));
             let first = match kind {
-                Edit::Camera => watch.look(deadline, |seen| {
+                Edit::Camera | Edit::Pan => watch.look(deadline, |seen| {
                     if let Some(first) = original.view.cameras.first() {
-                        *seen = camera(first, forth);
+                        *seen = camera(first, *kind, forth);
                     }
                 })?,
                 _ => watch.edit(deadline, |design| edit(design, *kind, &original, forth))?,

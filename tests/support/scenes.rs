@@ -40,16 +40,19 @@ pub fn preset_path(name: &str) -> PathBuf {
 
 /// Presets that ask nothing of a renderer that another does not: the same cloth in another light, another bend, another kind of
 /// pile in the same volumes. Short tests draw them all the same.
-const LIKE_ANOTHER: [&str; 14] = [
+const LIKE_ANOTHER: [&str; 17] = [
     "draped-net",
     "endless-carpet",
+    "evening-hall",
     "folded-stack",
     "grass",
     "noon",
+    "pulled-loops",
     "relief-carpet",
     "rolled-towel",
     "sculpted-rug",
     "shag-rug",
+    "stage-lights",
     "studio-softbox",
     "vacuumed-carpet",
     "waves",

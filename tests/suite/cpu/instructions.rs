@@ -30,3 +30,23 @@ fn wide_and_plain_instructions_draw_the_same_bits() {
         }
     }
 }
+
+/// One closure that is not inlined into the function with the wide instructions turns every sum of eight numbers into a call, and
+/// draws the same bits at half the pace: then the program has these functions, else only their instructions.
+#[test]
+#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+fn no_sum_of_eight_numbers_is_a_call() {
+    let program = std::fs::read(std::env::current_exe().unwrap()).unwrap();
+    // Put together here, since what is written out would be found in this program.
+    let has = |parts: [&str; 2]| {
+        let name = parts.concat().into_bytes();
+        program.windows(name.len()).any(|bytes| bytes == name)
+    };
+    assert!(
+        has(["in_", "avx2"]),
+        "the program has no names of functions"
+    );
+    for sum in ["add_ps", "mul_ps"] {
+        assert!(!has(["_mm256_", sum]), "{sum} is called");
+    }
+}

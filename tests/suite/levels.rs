@@ -340,6 +340,28 @@ fn renderers_draw_the_same_level_in_each_sample() {
 }
 
 #[test]
+fn shadows_are_cached_level_by_level() {
+    let (_, mut request) = three_levels();
+    (request.settings.samples, request.settings.counters) = (32, true);
+    let backends: [&mut dyn Backend; 2] = [&mut CpuBackend::default(), &mut exact_gpu()];
+    for backend in backends {
+        let name = backend.kind().name();
+        let mut drawn = |cached: u32| {
+            request.settings.cached_shadows = cached;
+            let picture = finish(backend, &request);
+            let rays = backend.counters().unwrap().cached_rays;
+            (metrics::mean_luminance(&picture), rays)
+        };
+        let [(traced, none), (cached, some)] = [drawn(0), drawn(32)];
+        assert!(none == 0 && some > 1000, "{name}: {none}, {some}");
+        // Another level's shadows would be half as long, and elsewhere.
+        let ratio = cached / traced;
+        eprintln!("{name}: {ratio:.4} with {some} rays from caches");
+        assert!((0.98..1.02).contains(&ratio), "{name}: {ratio}");
+    }
+}
+
+#[test]
 fn depth_is_that_of_the_cloth_at_every_level() {
     let (design, mut request) = three_levels();
     request.settings.aov = true;

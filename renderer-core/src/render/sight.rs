@@ -88,6 +88,17 @@ impl ClothMaker {
         &mut self.whole
     }
 
+    /// Whether all loops that a plan names of a design are there already.
+    pub fn has_loops_of(&mut self, design: &Design, plan: &LevelPlan) -> bool {
+        if plan.excerpts.is_empty() {
+            return self.whole.has_loops_of(design, None);
+        }
+        plan.excerpts.iter().all(|excerpt| {
+            let compiler = self.halved.get_mut(&excerpt.halvings);
+            compiler.is_some_and(|compiler| compiler.has_loops_of(design, Some(*excerpt)))
+        })
+    }
+
     /// What was done for the cloth made last, all levels together.
     pub fn last_report(&self) -> CompileReport {
         let mut halved = self.halved.values().map(Compiler::last_report);

@@ -269,9 +269,15 @@ impl Compiler {
         self.make(design, None, Some(seen), cancel)
     }
 
-    /// Whether the loops of a design are there already, so that a scene for a first look saves nothing.
-    pub fn has_loops_of(&mut self, design: &Design) -> bool {
-        let inputs = self.loops_inputs(design, &SheetGeometry::new(design));
+    /// Whether the loops of a design, or of an excerpt of it, are there already, so that a scene for a first look saves nothing.
+    pub fn has_loops_of(&mut self, whole: &Design, excerpt: Option<Excerpt>) -> bool {
+        let shrunk = excerpt.map(|excerpt| excerpt.design(whole));
+        let design = shrunk.as_ref().unwrap_or(whole);
+        let sheet = SheetGeometry {
+            excerpt,
+            ..SheetGeometry::new(design)
+        };
+        let inputs = self.loops_inputs(design, &sheet);
         kept(self.loops.as_ref(), &inputs).is_some()
     }
 

@@ -193,9 +193,12 @@ impl<'a> Worker<'a> {
         LevelPlan::new(&wish.design, camera, wish.size, Extent::LIVE, last)
     }
 
-    fn is_made(&self, wish: &Wish, plan: &LevelPlan) -> bool {
+    /// Whether the parts that a plan names of a wish's design are there.
+    fn has_parts(&self, wish: &Wish, plan: &LevelPlan) -> bool {
         let made = self.made.as_ref();
-        made.is_some_and(|(design, cloth)| Arc::ptr_eq(design, &wish.design) && cloth.plan == *plan)
+        made.is_some_and(|(design, cloth)| {
+            Arc::ptr_eq(design, &wish.design) && cloth.plan.excerpts == plan.excerpts
+        })
     }
 
     /// The cloth that a wish's picture shows; given up for a newer wish sooner where something of it could be seen already.
@@ -204,7 +207,8 @@ impl<'a> Worker<'a> {
         let camera = Camera::from_design(&wish.camera);
         let plan = self.plan(wish, &camera);
         if let Some((_, cloth)) = &self.made
-            && self.is_made(wish, &plan)
+            && self.has_parts(wish, &plan)
+            && cloth.plan == plan
         {
             return Ok(Arc::clone(cloth));
         }

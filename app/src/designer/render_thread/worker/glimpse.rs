@@ -82,7 +82,7 @@ impl Worker<'_> {
         }
         let is_edit =
             (self.made.as_ref()).is_some_and(|(design, _)| !Arc::ptr_eq(design, &wish.design));
-        if !is_edit || self.maker.whole().has_loops_of(&wish.design) {
+        if !is_edit || self.maker.has_loops_of(&wish.design, &LevelPlan::whole()) {
             return Ok(None);
         }
         let plan = workers::with_all(|| {
@@ -120,7 +120,8 @@ impl Worker<'_> {
         settings: Settings,
         is_given_up: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<RenderRequest>, Failure> {
-        if self.is_made(wish, &self.plan(wish, camera)) {
+        let plan = self.plan(wish, camera);
+        if self.has_parts(wish, &plan) || self.maker.has_loops_of(&wish.design, &plan) {
             return Ok(None);
         }
         let divisor = first_look::divisor_of_levels(size, self.cost);

@@ -117,7 +117,8 @@ fn halved_cloth_is_as_bright_from_everywhere() {
         let mut design = towel_designer::files::load_design(&preset_path(name)).unwrap();
         design.chart.pixels = None;
         design.chart.colour = Colour([180, 60, 40]);
-        (design.sheet.warps, design.sheet.wefts) = (256, 256);
+        // So large that no edge of it is seen, whose tall pile would be bright from the side.
+        (design.sheet.warps, design.sheet.wefts) = (384, 384);
         (design.quality.bounces, design.quality.samples) = (2, 128);
         for (elevation, azimuth) in [(90.0, -90.0), (30.0, 40.0)] {
             let camera = &mut design.view.cameras[0];

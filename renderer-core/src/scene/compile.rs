@@ -277,8 +277,12 @@ impl Compiler {
             excerpt,
             ..SheetGeometry::new(design)
         };
-        let inputs = self.loops_inputs(design, &sheet);
-        kept(self.loops.as_ref(), &inputs).is_some()
+        // What each cell asks for takes time to tell.
+        let are_there = (self.loops.as_ref()).is_some_and(|(inputs, _)| inputs.sheet == sheet);
+        are_there && {
+            let inputs = self.loops_inputs(design, &sheet);
+            kept(self.loops.as_ref(), &inputs).is_some()
+        }
     }
 
     /// What the last compilation did; of one that failed, as far as it came.

@@ -20,7 +20,7 @@ const AROUND_MM: f64 = 0.5;
 
 /// How much of a cloth that is made in parts is made for a first look: in some twentieths of a second.
 pub const LEVELS: Extent = Extent {
-    cells: 1 << 16,
+    cells: 1 << 15,
     spare: 0.0,
 };
 /// Width and height of a first look at such cloth are at most those of the picture divided by this: loops as coarse as its

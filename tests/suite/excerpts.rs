@@ -152,7 +152,7 @@ fn colours_of_halved_cloth_are_mixed() {
     (camera.elevation, camera.orthographic_height) = (70.0, Some(80.0));
     let [red, blue] = [[200, 40, 30, 255], [30, 60, 200, 255]];
     let texels: Vec<[u8; 4]> = (0..64 * 64)
-        .map(|k| if hash(k) % 3 == 0 { red } else { blue })
+        .map(|k| if hash(k).is_multiple_of(3) { red } else { blue })
         .collect();
     design.chart.pixels = Some(ChartImage::new(64, 64, &texels).unwrap());
     design.chart.fit = Fit::Tile;

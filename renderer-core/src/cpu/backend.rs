@@ -79,9 +79,9 @@ impl Backend for CpuBackend {
                     .sample(pixel, sample, scratch)
             },
             |samples| {
-                tracers
-                    .iter()
-                    .for_each(|tracer| tracer.learn_shadows(samples))
+                for tracer in tracers.iter() {
+                    tracer.learn_shadows(samples);
+                }
             },
         );
         Ok(progressive.progress())

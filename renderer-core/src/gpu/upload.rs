@@ -1,7 +1,5 @@
 //! A scene on the device. Sections are compared by identity: what is the same `Arc` as before keeps its buffers.
 
-use std::collections::HashSet;
-
 use bytemuck::Zeroable;
 
 use crate::design::Phase;
@@ -164,8 +162,8 @@ impl SceneBuffers {
 
     /// Bytes of some scenes on the device; what they share counts once.
     pub fn bytes(scenes: &[Self]) -> u64 {
-        let buffers: HashSet<_> = scenes.iter().flat_map(Self::buffers).collect();
-        let textures: HashSet<_> = scenes.iter().flat_map(Self::textures).collect();
+        let buffers = distinct(scenes.iter().flat_map(Self::buffers));
+        let textures = distinct(scenes.iter().flat_map(Self::textures));
         let texture = |texture: &wgpu::Texture| {
             let size = texture.size();
             let texel = texture.format().block_copy_size(None).unwrap_or(0);
@@ -200,6 +198,17 @@ impl SceneBuffers {
             tangents_b,
         ]
     }
+}
+
+/// Each of some things once.
+fn distinct<T: PartialEq>(all: impl Iterator<Item = T>) -> Vec<T> {
+    let mut found = Vec::new();
+    for one in all {
+        if !found.contains(&one) {
+            found.push(one);
+        }
+    }
+    found
 }
 
 /// A read-only storage buffer; never empty, since an empty one cannot be bound.

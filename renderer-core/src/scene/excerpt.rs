@@ -88,7 +88,7 @@ impl Excerpt {
     }
 
     /// Cells of the whole cloth spread over all those that cell (i, j) covers: all of them, or one out of each of
-    /// [`SPREAD`]² equal parts.
+    /// sixteen equal parts.
     pub fn spread_originals(&self, i: usize, j: usize) -> impl Iterator<Item = [usize; 2]> {
         let (hash, side) = (self.hash(i, j), 1_u32 << self.halvings);
         let parts = side.min(SPREAD);

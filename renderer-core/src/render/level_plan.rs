@@ -117,12 +117,6 @@ impl LevelPlan {
     }
 }
 
-impl Default for LevelPlan {
-    fn default() -> Self {
-        Self::whole()
-    }
-}
-
 /// What a camera sees of a sheet.
 struct Seen<'a> {
     reach: PileReach,

@@ -2,10 +2,11 @@
 //! scene is as large as its picture, not as the cloth.
 //!
 //! A cloth seen from far away is drawn *halved*, `n` times: with as many loops fewer along each side, each the copy of a real one
-//! out of its 2ⁿ × 2ⁿ neighbours, in the mean of their colours, and 2ⁿ times as large in every direction. Light goes through pile that is grown evenly as it
-//! goes through the pile itself, since extinction times length stays what it is: the mean radiance of a pixel that covers many
-//! loops is the same from every side and under every light, which it is not if densities are averaged (what passes between two
-//! loops does not pass through their mean). What changes is the texture below a pixel, and the noise that is left of it.
+//! out of its 2ⁿ × 2ⁿ neighbours, in the mean of their colours, and 2ⁿ times as large in every direction. Light goes through pile
+//! that is grown evenly as it goes through the pile itself, since extinction times length stays what it is: the mean radiance of a
+//! pixel that covers many loops is the same from every side and under every light, which it is not if densities are averaged (what
+//! passes between two loops does not pass through their mean). What changes is the texture below a pixel, and the noise that is
+//! left of it; and light that is lost between loops of unlike colours is not lost where these are mixed.
 //! In place of growing the loops, the world shrinks: the excerpt's scene has the cloth's own loops, volumes and ground weave, and
 //! its camera stands 2ⁿ times as near.
 //!
@@ -21,8 +22,8 @@ use crate::sampling::hash_with;
 /// Shortest waves of the texture of halved cloth, in its loops, that keep their size in the cloth: some pixels.
 const SEEN_WAVE: f64 = 16.0;
 
-/// Height of the tips of the pile, as a share of its length: it leans. Views along the cloth see little else of it, and levels whose
-/// tips lie elsewhere would draw what a chart draws twice, beside itself.
+/// Height of the tips of the pile, as a share of its length: it leans. Views along the cloth see little else of it, and levels
+/// whose tips lie elsewhere would draw twice what a chart draws, side by side.
 const TIPS: f64 = 0.8;
 
 /// Cells along each side, out of all that a cell of halved cloth covers, whose colours are mixed.

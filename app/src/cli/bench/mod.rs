@@ -9,7 +9,7 @@
 //! lights         each kind of light on the same cloth: time and noise
 //! piles          the same cloth with each kind of pile, and after each finish: time and noise
 //! forms          the same cloth bent in each way: time and noise
-//! distances      a large cloth from farther and farther: excerpts beside the whole
+//! distances      a large cloth from farther and farther: levels of detail beside the whole
 //! costs          the stages between an edit and a whole picture: which is the largest
 //! ```
 //!

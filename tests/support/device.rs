@@ -2,10 +2,9 @@
 //! that has drawn nothing would be worse.
 
 use std::sync::OnceLock;
-use std::sync::atomic::AtomicBool;
-use std::time::Duration;
 
 use super::compare::REPEATS;
+pub use super::drawing::{finish, finish_in_slices};
 use renderer_core::gpu::{GpuBackend, GpuContext};
 use renderer_core::image::Picture;
 use renderer_core::reference::ReferenceBackend;
@@ -35,23 +34,6 @@ pub fn exact_gpu() -> GpuBackend {
 /// A GPU backend as users have it.
 pub fn gpu() -> GpuBackend {
     GpuBackend::new(context()).unwrap()
-}
-
-/// Draws a request to its end.
-pub fn finish(backend: &mut dyn Backend, request: &RenderRequest) -> Picture {
-    finish_in_slices(backend, request, Duration::from_secs(5))
-}
-
-/// The same, a slice of time after the other.
-pub fn finish_in_slices(
-    backend: &mut dyn Backend,
-    request: &RenderRequest,
-    slice: Duration,
-) -> Picture {
-    backend.begin(request).unwrap();
-    let never = AtomicBool::new(false);
-    while !backend.advance(slice, &never).unwrap().done {}
-    backend.picture().unwrap()
 }
 
 /// Pictures of a request with [`REPEATS`] consecutive seeds.

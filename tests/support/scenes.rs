@@ -2,7 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use renderer_core::design::{Back, Design, Method, Pattern};
+use renderer_core::design::{
+    Back, ChartImage, Design, EnvironmentImage, EnvironmentReader, HeightImage, Method, Pattern,
+    preset,
+};
 use renderer_core::render::{Camera, ClothMaker, Extent, RenderRequest, Settings, Sight};
 use renderer_core::scene::Cancel;
 
@@ -38,34 +41,37 @@ pub fn preset_path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../presets/{name}.toml"))
 }
 
-/// Presets that ask nothing of a renderer that another does not: the same cloth in another light, another bend, another kind of
-/// pile in the same volumes. Short tests draw them all the same.
-const LIKE_ANOTHER: [&str; 17] = [
-    "draped-net",
-    "endless-carpet",
-    "evening-hall",
-    "folded-stack",
-    "grass",
-    "noon",
-    "pulled-loops",
-    "relief-carpet",
-    "rolled-towel",
-    "sculpted-rug",
-    "shag-rug",
-    "stage-lights",
-    "studio-softbox",
-    "vacuumed-carpet",
-    "waves",
-    "wet-towel",
-    "window",
-];
-
-/// The presets that differ in what they ask of a renderer, for tests that take long over each.
-pub fn unlike_preset_paths() -> Vec<PathBuf> {
-    let is_like_another = |path: &PathBuf| LIKE_ANOTHER.map(preset_path).contains(path);
-    let (alike, unlike): (Vec<_>, Vec<_>) = preset_paths().into_iter().partition(is_like_another);
-    assert_eq!(alike.len(), LIKE_ANOTHER.len(), "all of these are shipped");
-    unlike
+/// A preset with its images. The suite of the program sees to it that the program reads every shipped preset as this.
+pub fn load_design(path: &Path) -> Design {
+    let text = std::fs::read_to_string(path).unwrap();
+    let mut design = preset::parse(&text).unwrap();
+    let folder = path.parent().unwrap();
+    let open = |name: &String| image::open(folder.join(name)).unwrap();
+    let coloured = |name: &String| {
+        let image = open(name).into_rgba8();
+        let (width, height) = (image.width() as usize, image.height() as usize);
+        let pixels: Vec<[u8; 4]> = image.pixels().map(|pixel| pixel.0).collect();
+        ChartImage::new(width, height, &pixels).unwrap()
+    };
+    let grey = |name: &String| {
+        let image = open(name).into_luma16();
+        let (width, height) = (image.width() as usize, image.height() as usize);
+        HeightImage::new(width, height, image.into_raw()).unwrap()
+    };
+    let surroundings = |name: &String| -> EnvironmentImage {
+        let image = open(name).into_rgb32f();
+        let (width, height) = (image.width() as usize, image.height() as usize);
+        let mut reader = EnvironmentReader::new(width, height).unwrap();
+        for (x, y, pixel) in image.enumerate_pixels() {
+            reader.add(x as usize, y as usize, pixel.0);
+        }
+        reader.finish().unwrap()
+    };
+    design.chart.pixels = design.chart.image.as_ref().map(coloured);
+    design.nap.pixels = design.nap.image.as_ref().map(coloured);
+    design.form.pixels = design.form.image.as_ref().map(grey);
+    design.light.environment.pixels = design.light.environment.image.as_ref().map(surroundings);
+    design
 }
 
 /// Every preset that is shipped.

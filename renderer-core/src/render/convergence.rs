@@ -9,7 +9,7 @@
 //! Bias: whether a tile ends depends on its samples. One that has been lucky, in which light that is rare and bright has
 //! not shown itself, ends early and stays a little too dark, and its estimated error a little too small. From 16 samples
 //! on an estimate rests on two means or more of every pixel of a tile, some hundred numbers, which are hardly ever all
-//! lucky; tests/suite/tiles/converged.rs holds such tiles against other samples.
+//! lucky; tests/core/tiles/converged.rs holds such tiles against other samples.
 
 use crate::sampling::RUN;
 

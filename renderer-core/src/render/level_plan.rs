@@ -42,7 +42,7 @@ pub struct LevelPlan {
 /// Rays along each side of a part of a picture that tell what it shows.
 const RAYS: u32 = 32;
 /// [`LevelPlan::loop_pixels`] unless that takes too many loops: 64 of them in a pixel vary so little that a zoom from level to level
-/// shows no more change from frame to frame than the cloth itself (`tests/suite/levels.rs`).
+/// shows no more change from frame to frame than the cloth itself (`tests/core/levels.rs`).
 const LOOP_PIXELS: f64 = 0.125;
 /// By how much it grows until there are few enough.
 const GROWTH: f64 = std::f64::consts::SQRT_2;

@@ -5,12 +5,11 @@ use renderer_core::cpu::CpuBackend;
 use renderer_core::design::{Design, Method};
 use renderer_core::image::metrics::{mean_luminance, rel_rmse};
 use renderer_core::render::{Backend, RenderRequest};
-use towel_designer::files;
 
 use crate::gpu_vs_reference::both;
 use crate::support::compare::{same_means, same_samples};
 use crate::support::device::{exact_gpu, finish, on_reference, repeats};
-use crate::support::scenes::{preset_path, request, small_towel};
+use crate::support::scenes::{load_design, preset_path, request, small_towel};
 
 #[test]
 fn all_backends_estimate_the_same_light() {
@@ -49,7 +48,7 @@ fn detail(design: &Design) -> RenderRequest {
 
 #[test]
 fn the_estimate_is_near_the_traced_light() {
-    let mut design = files::load_design(&preset_path("hotel-white")).unwrap();
+    let mut design = load_design(&preset_path("hotel-white"));
     (design.quality.samples, design.quality.error) = (16, 0.0);
     for camera in ["middle", "near"] {
         design

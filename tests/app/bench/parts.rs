@@ -22,7 +22,7 @@ use towel_designer::clock::Spent;
 use towel_designer::designer::first_picture::FirstPicture;
 
 use super::{conditions, folder, names, parse_csv, run, texts};
-use crate::support::device::finish;
+use crate::support::drawing::finish;
 use crate::support::scenes::{preset_path, request, small_towel};
 
 /// A table: its header, and its rows by the names of columns.

@@ -8,7 +8,7 @@ use renderer_core::render::{Backend, Counters, RenderRequest, Skip};
 
 use crate::support::compare::same_means;
 use crate::support::device::{finish, gpu, repeats};
-use crate::support::scenes::{preset_path, request, small_towel};
+use crate::support::scenes::{load_design, preset_path, request, small_towel};
 
 const METHODS: [Method; 4] = [
     Method::Single,
@@ -71,7 +71,7 @@ fn ground_that_pile_hides_is_not_looked_for() {
 fn shadow_rays_end_in_the_dark() {
     let mut gpu = gpu();
     for method in METHODS {
-        let mut design = towel_designer::files::load_design(&preset_path("paper-fig12")).unwrap();
+        let mut design = load_design(&preset_path("paper-fig12"));
         (design.quality.method, design.quality.bounces) = (method, 1);
         design.quality.samples = 2;
         let [(on, some), (off, none)] = both(&mut gpu, &design, Skip::OpaqueRays);

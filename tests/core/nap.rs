@@ -1,13 +1,10 @@
-//! Nap maps: loops lie as the map says, combs lay them the way they go, and a map is kept as a chart is.
-
-use std::fs;
+//! Nap maps: loops lie as the map says, and combs lay them the way they go.
 
 use renderer_core::design::nap_edit::{
     UPRIGHT, comb, direction, footprints, pixel, smoothed, stripes, upright,
 };
 use renderer_core::design::{Back, ChartImage, Design, Fit, Pattern};
 use renderer_core::scene::{Face, compile};
-use towel_designer::files::{self, Carried, OwnImages};
 
 /// Upright loops on both faces, and a map over them.
 fn napped(width: usize, height: usize, pixels: &[[u8; 4]], fit: Fit) -> Design {
@@ -189,69 +186,4 @@ fn ready_maps_are_stripes_and_steps() {
             .fold(0.0, f64::max)
     };
     assert!(step(&smooth) < 0.8 * step(&striped));
-}
-
-#[test]
-fn a_combed_map_is_written_beside_its_preset_and_comes_back() {
-    let folder = tempfile::tempdir().unwrap();
-    let preset = folder.path().join("rug.toml");
-    let mut design = Design::default();
-    let mut map = ChartImage::filled(20, 10, UPRIGHT).unwrap();
-    comb(&mut map, [2.0, 5.0], [18.0, 5.0], 6.0);
-    design.nap.pixels = Some(map);
-    design.chart.pixels = ChartImage::filled(3, 3, [9, 99, 199, 255]);
-    let save = |design: &Design, known: &OwnImages| {
-        files::save_edited(design, &Carried::default(), &preset, None, known).unwrap()
-    };
-    let known = save(&design, &OwnImages::default());
-    let names = || {
-        let entries = fs::read_dir(folder.path()).unwrap();
-        let mut names: Vec<String> = entries
-            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .collect();
-        names.sort();
-        names
-    };
-    assert_eq!(names(), ["rug-chart.png", "rug-nap.png", "rug.toml"]);
-    let (opened, again) = files::open_to_edit(&preset).unwrap();
-    assert_eq!(opened.design, design);
-    // Neither image is written again while it stays the same.
-    let written = |name: &str| {
-        fs::metadata(folder.path().join(name))
-            .unwrap()
-            .modified()
-            .unwrap()
-    };
-    let before = [written("rug-chart.png"), written("rug-nap.png")];
-    design.sheet.warps = 77;
-    for known in [known, again] {
-        save(&design, &known);
-        assert_eq!([written("rug-chart.png"), written("rug-nap.png")], before);
-    }
-    // As a bundle, and moved to another folder.
-    let bundle = folder.path().join("rug.towel");
-    files::save(&design, &Carried::default(), &bundle, None).unwrap();
-    let mut opened = files::open_design(&bundle).unwrap().design;
-    assert_eq!(opened.nap.image.as_deref(), Some("nap.png"));
-    (opened.nap.image, opened.chart.image) = (None, None);
-    assert_eq!(opened, design);
-}
-
-#[test]
-fn a_map_that_cannot_be_read_is_told() {
-    let folder = tempfile::tempdir().unwrap();
-    let preset = folder.path().join("rug.toml");
-    fs::write(&preset, "format = 1\n[nap]\nimage = \"gone.png\"\n").unwrap();
-    let told = files::load_design(&preset).unwrap_err().to_string();
-    assert!(
-        told.contains("rug.toml:3:9: nap.image: ")
-            && told.contains("gone.png: nap map: cannot be read"),
-        "{told}"
-    );
-    fs::write(folder.path().join("gone.png"), "no picture").unwrap();
-    let told = files::load_design(&preset).unwrap_err().to_string();
-    assert!(
-        told.contains("gone.png: nap map: is neither a PNG nor a JPEG file"),
-        "{told}"
-    );
 }

@@ -5,7 +5,8 @@ use renderer_core::design::Method;
 
 use crate::gpu_backend::assert_changes_are_drawn_as_by_a_new_backend;
 use crate::same_sample::{MOST_FLIPS, PART, compare_presets};
-use crate::support::scenes::{preset_paths, unlike_preset_paths};
+use crate::support::scenes::preset_paths;
+use crate::support::unlike::unlike_preset_paths;
 
 const METHODS: [Method; 2] = [Method::Single, Method::Layered];
 

@@ -11,7 +11,8 @@ use renderer_core::image::{Picture, metrics};
 use renderer_core::render::{Backend, Progress, RenderRequest};
 
 use crate::support::device::gpu;
-use crate::support::scenes::{preset_path, request, small_towel, unlike_preset_paths};
+use crate::support::scenes::{load_design, preset_path, request, small_towel};
+use crate::support::unlike::unlike_preset_paths;
 
 /// Draws to the end, in slices that end anywhere.
 fn finish(backend: &mut dyn Backend, request: &RenderRequest) -> (Progress, Picture) {
@@ -76,7 +77,7 @@ fn the_estimate_is_the_true_error_of_presets() {
     // Velvet's highlights are so rare that one of them can be half of a picture's error: estimates were from 0.34 to 1.8 of it.
     paths.retain(|path| *path != preset_path("velvet"));
     for path in paths {
-        let mut design = towel_designer::files::load_design(&path).unwrap();
+        let mut design = load_design(&path);
         design.quality.samples = 16;
         let request = request(&design, [24, 24]);
         for backend in [&mut gpu as &mut dyn Backend, &mut cpu] {
@@ -91,7 +92,7 @@ fn the_estimate_is_the_true_error_of_presets() {
 fn the_estimate_is_the_true_error_of_presets_at_more_samples() {
     let (mut gpu, mut cpu) = (gpu(), CpuBackend::default());
     for path in unlike_preset_paths() {
-        let mut design = towel_designer::files::load_design(&path).unwrap();
+        let mut design = load_design(&path);
         for (samples, sampler) in [(32, Sampler::Owen), (64, Sampler::Random)] {
             (design.quality.samples, design.quality.sampler) = (samples, sampler);
             let request = request(&design, [16, 16]);
@@ -137,7 +138,7 @@ fn a_picture_stopped_at_an_error_has_it() {
     let mut even = small_towel();
     even.quality.bounces = 2;
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../presets");
-    let noisy = towel_designer::files::load_design(&folder.join("paper-fig12.toml")).unwrap();
+    let noisy = load_design(&folder.join("paper-fig12.toml"));
     for (design, error) in [(even, 0.03), (noisy, 0.3)] {
         let request = request(&design, [24, 20]);
         for backend in [&mut gpu() as &mut dyn Backend, &mut CpuBackend::default()] {

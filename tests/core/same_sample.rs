@@ -10,7 +10,8 @@ use renderer_core::render::{Backend, BackendKind};
 use crate::form::nearly_same;
 use crate::support::device::{exact_gpu, finish, gpu, on_reference};
 use crate::support::same_sample::{SAME_SHARE, same_picture};
-use crate::support::scenes::{preset_path, request, small_towel, unlike_preset_paths};
+use crate::support::scenes::{load_design, preset_path, request, small_towel};
+use crate::support::unlike::unlike_preset_paths;
 
 /// The methods whose samples are the same in the reference and on the GPU.
 const METHODS: [Method; 3] = [Method::Single, Method::Layered, Method::Exact];
@@ -18,7 +19,7 @@ const METHODS: [Method; 3] = [Method::Single, Method::Layered, Method::Exact];
 /// Presets with their names, with one scattering.
 fn named(paths: Vec<PathBuf>) -> impl Iterator<Item = (String, Design)> {
     paths.into_iter().map(|path| {
-        let mut design = towel_designer::files::load_design(&path).unwrap();
+        let mut design = load_design(&path);
         design.quality.bounces = 1;
         let name = path.file_stem().unwrap().to_string_lossy().into_owned();
         (name, design)

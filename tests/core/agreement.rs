@@ -7,7 +7,8 @@ use renderer_core::render::Backend;
 
 use crate::support::agreement::same_distribution;
 use crate::support::device::{gpu, reference, repeats};
-use crate::support::scenes::{request, small_towel, unlike_preset_paths};
+use crate::support::scenes::{load_design, request, small_towel};
+use crate::support::unlike::unlike_preset_paths;
 
 /// Width and height of the pictures that are compared.
 pub const SIZE: [u32; 2] = [16, 12];
@@ -184,7 +185,7 @@ pub fn unlike_presets_agree(backend: &mut dyn Backend) {
     for path in unlike_preset_paths() {
         let name = path.file_stem().unwrap().to_string_lossy().into_owned();
         for bounces in [1, 4] {
-            let design = towel_designer::files::load_design(&path).unwrap();
+            let design = load_design(&path);
             let design = tracked(design, bounces);
             let expected = on_reference(&design, SIZE);
             let power = same_distribution(&expected, &on_backend(backend, &design, SIZE))

@@ -15,7 +15,7 @@ use renderer_core::scene::{Cancel, CompileError, Excerpt, Scene, compile};
 
 use crate::excerpts::{compiled, differing, halved};
 use crate::support::device::{exact_gpu, finish, reference};
-use crate::support::scenes::{preset_path, request, small_towel};
+use crate::support::scenes::{load_design, preset_path, request, small_towel};
 
 /// A cloth of 10⁸ cells.
 fn endless() -> Design {
@@ -398,7 +398,7 @@ fn depth_is_that_of_the_cloth_at_every_level() {
 #[test]
 #[ignore = "long: about 100 s"]
 fn zooming_jumps_no_more_than_without_levels() {
-    let mut design = towel_designer::files::load_design(&preset_path("paper-fig12")).unwrap();
+    let mut design = load_design(&preset_path("paper-fig12"));
     design.chart.pixels = None;
     (design.sheet.warps, design.sheet.wefts) = (2048, 2048);
     design.quality.method = Method::Tracked;

@@ -13,7 +13,7 @@ use renderer_core::render::Backend;
 use crate::form::nearly_same;
 use crate::support::compare::{REPEATS, same_means, same_samples, shows_something};
 use crate::support::device::{exact_gpu, finish, gpu, on_reference, reference, repeats};
-use crate::support::scenes::{preset_paths, request, small_towel};
+use crate::support::scenes::{load_design, preset_paths, request, small_towel};
 
 const SIZE: [u32; 2] = [48, 40];
 
@@ -251,7 +251,7 @@ fn every_preset_renders_and_the_gpu_draws_the_references_samples() {
     let (mut gpu, mut cpu, mut exact) = (gpu(), CpuBackend::default(), exact_gpu());
     for path in preset_paths() {
         let name = path.display();
-        let mut design = towel_designer::files::load_design(&path).unwrap();
+        let mut design = load_design(&path);
         // As it is: something to see on what users have, from every saved camera.
         design.quality.samples = 1;
         let cameras = design.view.cameras.clone();

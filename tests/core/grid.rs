@@ -4,6 +4,8 @@ use renderer_core::design::{Back, Design, Pattern, Pile};
 use renderer_core::sampling::Pcg;
 use renderer_core::scene::{EntryLayout, EntryParts, Face, PlantedLoop, Scene, compile};
 
+use crate::support::scenes::{load_design, preset_path};
+
 /// A block's entry for a loop, with its heights in mm.
 struct Listed {
     entry: EntryParts,
@@ -422,8 +424,7 @@ fn the_farthest_loops_are_found() {
 fn records_stay_small() {
     // The budget is 64 bytes a loop; of these the second has the most crowded loops of all presets.
     for name in ["paper-fig1", "hotel-white"] {
-        let path = crate::support::scenes::preset_path(name);
-        let design = towel_designer::files::load_design(&path).unwrap();
+        let design = load_design(&preset_path(name));
         let scene = compile(&design).unwrap();
         let bytes = scene.loops.bytes_per_loop();
         assert!(bytes <= 64.0, "{name}: {bytes} bytes a loop");

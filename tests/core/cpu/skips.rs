@@ -13,7 +13,7 @@ use super::scenes::{CAMERAS, LOOPS};
 use crate::support::agreement::same_distribution;
 use crate::support::compare::{ROUNDING, same_as_reference};
 use crate::support::device::{finish, on_reference, repeats};
-use crate::support::scenes::{preset_path, request, small_towel};
+use crate::support::scenes::{load_design, preset_path, request, small_towel};
 
 const COMPOSITED: [Method; 2] = [Method::Single, Method::Layered];
 
@@ -105,7 +105,7 @@ fn without_remembering_tests_the_samples_are_the_same() {
 #[test]
 fn dark_shadow_rays_end() {
     for method in COMPOSITED {
-        let mut design = towel_designer::files::load_design(&preset_path("paper-fig12")).unwrap();
+        let mut design = load_design(&preset_path("paper-fig12"));
         (design.quality.method, design.quality.bounces) = (method, 1);
         design.quality.samples = 2;
         let [(on, some), (off, none)] = on_and_off(&request(&design, [48, 40]), Skip::OpaqueRays);
@@ -167,7 +167,7 @@ fn shadow_rays_end_at_the_ground_before_loops_are_looked_at() {
 
 #[test]
 fn few_patches_are_tested() {
-    let design = towel_designer::files::load_design(&preset_path("paper-fig1")).unwrap();
+    let design = load_design(&preset_path("paper-fig1"));
     let mut request = request(&design, [160, 120]);
     request.settings.samples = 1;
     let [(_, counted), _] = on_and_off(&request, Skip::EmptyCells);

@@ -14,7 +14,6 @@ use renderer_core::gpu::needs::SceneNeeds;
 use renderer_core::gpu::{DeviceWatch, GpuBackend, GpuContext, wanted_features};
 use renderer_core::image::{Display, Picture};
 use renderer_core::render::{Backend, RenderError, RenderRequest, Settings, Skip};
-use towel_designer::files::keep_pipelines;
 
 use crate::support::compare::shows_something;
 use crate::support::device::{
@@ -203,43 +202,6 @@ fn a_device_lost_while_it_compiles_is_an_error() {
         matches!(error, RenderError::Lost(_) | RenderError::Device(_)),
         "{error}"
     );
-}
-
-#[test]
-fn kept_pipelines_are_used_and_broken_ones_passed_over() {
-    let folder = tempfile::tempdir().unwrap();
-    let picture = || {
-        let context = keep_pipelines(lesser_device(|_| {}), folder.path());
-        let mut backend = GpuBackend::new(context.clone()).unwrap();
-        let picture = finish(&mut backend, &request(&small_towel(), SIZE));
-        (bits(&picture), context.pipelines_name())
-    };
-    let (plain, name) = picture();
-    let Some(name) = name else {
-        eprintln!("this driver gives out no pipelines");
-        return;
-    };
-    let path = folder.path().join(name);
-    let kept = std::fs::read(&path).unwrap();
-    assert!(kept.len() > 12, "{}", kept.len());
-    eprintln!("{} bytes are kept", kept.len());
-    let (mut other, mut flipped) = (kept.clone(), kept.clone());
-    other[0] ^= 1;
-    *flipped.last_mut().unwrap() ^= 1;
-    let broken = [&kept[..5], &kept[..kept.len() - 3], &other, &flipped];
-    assert_eq!(picture().0, plain);
-    assert_eq!(std::fs::read(&path).unwrap(), kept, "nothing new to keep");
-    for bytes in broken {
-        std::fs::write(&path, bytes).unwrap();
-        assert_eq!(picture().0, plain);
-        assert_eq!(std::fs::read(&path).unwrap().len(), kept.len(), "made anew");
-    }
-    // A folder that cannot be is no reason to fail.
-    std::fs::remove_dir_all(folder.path()).unwrap();
-    std::fs::write(folder.path(), "not a folder").unwrap();
-    assert_eq!(picture().0, plain);
-    std::fs::remove_file(folder.path()).unwrap();
-    std::fs::create_dir(folder.path()).unwrap();
 }
 
 #[test]
@@ -634,7 +596,6 @@ fn the_display_texture_shows_what_files_show() {
 
 #[test]
 fn six_faces_are_left_to_the_processor() {
-    use towel_designer::backend::BackendChoice;
     let mut design = small_towel();
     design.quality.method = Method::SixFace;
     let error = gpu().begin(&request(&design, SIZE)).unwrap_err();
@@ -643,11 +604,4 @@ fn six_faces_are_left_to_the_processor() {
         told.contains("six-face") && told.contains("--backend cpu"),
         "{told}"
     );
-    for (choice, method, expected) in [
-        (BackendChoice::Auto, Method::SixFace, BackendChoice::Cpu),
-        (BackendChoice::Auto, Method::Exact, BackendChoice::Auto),
-        (BackendChoice::Gpu, Method::SixFace, BackendChoice::Gpu),
-    ] {
-        assert_eq!(choice.for_method(method), expected);
-    }
 }

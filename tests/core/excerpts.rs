@@ -11,7 +11,7 @@ use renderer_core::sampling::hash;
 use renderer_core::scene::{Cancel, Compiler, Excerpt, Scene};
 
 use crate::support::device::{exact_gpu, finish, reference};
-use crate::support::scenes::{preset_path, request, small_towel};
+use crate::support::scenes::{load_design, preset_path, request, small_towel};
 
 /// The scene of an excerpt.
 pub fn compiled(design: &Design, excerpt: Excerpt) -> Arc<Scene> {
@@ -114,7 +114,7 @@ fn mean(request: &RenderRequest) -> f64 {
 #[test]
 fn halved_cloth_is_as_bright_from_everywhere() {
     for name in ["hotel-white", "harbour-stripe"] {
-        let mut design = towel_designer::files::load_design(&preset_path(name)).unwrap();
+        let mut design = load_design(&preset_path(name));
         design.chart.pixels = None;
         design.chart.colour = Colour([180, 60, 40]);
         // So large that no edge of it is seen, whose tall pile would be bright from the side.
@@ -145,7 +145,7 @@ fn halved_cloth_is_as_bright_from_everywhere() {
 
 #[test]
 fn colours_of_halved_cloth_are_mixed() {
-    let mut design = towel_designer::files::load_design(&preset_path("hotel-white")).unwrap();
+    let mut design = load_design(&preset_path("hotel-white"));
     (design.sheet.warps, design.sheet.wefts) = (256, 256);
     (design.quality.bounces, design.quality.samples) = (3, 96);
     let camera = &mut design.view.cameras[0];

@@ -1,4 +1,4 @@
-//! The one test binary: a module a concern.
+//! The tests of renderer-core, which know nothing of the program: a module a concern.
 
 #![allow(
     clippy::unwrap_used,
@@ -6,17 +6,12 @@
 )]
 
 mod agreement;
-mod bench;
 mod bounced;
-mod bundles;
 mod chart;
 mod chart_edit;
-mod chart_files;
-mod cli;
 mod colour;
 mod compile;
 mod cpu;
-mod designer;
 mod environment;
 mod error_estimate;
 mod excerpts;
@@ -37,10 +32,8 @@ mod lobes;
 mod materials;
 mod metrics;
 mod nap;
-mod picture_file;
 mod presets;
 mod probes;
-mod recovery;
 mod reference;
 mod same_sample;
 mod sampling;
@@ -53,7 +46,17 @@ mod stability;
 mod tiles;
 mod turbulence;
 mod volumes;
-mod window;
 
-#[path = "../support/mod.rs"]
-mod support;
+/// What tests of pictures share: a device without a window, small scenes, rendering to the end, comparators.
+#[path = "../support"]
+mod support {
+    pub mod agreement;
+    pub mod compare;
+    pub mod device;
+    pub mod drawing;
+    pub mod patches;
+    pub mod probe;
+    pub mod same_sample;
+    pub mod scenes;
+    pub mod unlike;
+}

@@ -1,0 +1,30 @@
+//! The tests of the program: a module a concern.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test that cannot go on fails, and says where"
+)]
+
+mod bench;
+mod bundles;
+mod chart_files;
+mod cli;
+mod designer;
+mod environment;
+mod gpu;
+mod height;
+mod nap;
+mod picture_file;
+mod presets;
+mod recovery;
+mod window;
+
+/// What the tests share: a display that nobody sees, small scenes, rendering to the end.
+#[path = "../support"]
+mod support {
+    pub mod display;
+    pub mod drawing;
+    pub mod file_drop;
+    pub mod png;
+    pub mod scenes;
+}

@@ -369,12 +369,12 @@ fn at_top(name: &str) -> PathBuf {
 }
 
 #[test]
-fn readme_lists_every_field_as_the_code_has_it() {
+fn the_reference_lists_every_field_as_the_code_has_it() {
     const BEGIN: &str = "<!-- preset reference: begin -->\n";
     const END: &str = "<!-- preset reference: end -->\n";
-    let path = at_top("README.md");
-    let readme = fs::read_to_string(&path).unwrap();
-    let (before, rest) = readme.split_once(BEGIN).unwrap();
+    let path = at_top("presets/README.md");
+    let page = fs::read_to_string(&path).unwrap();
+    let (before, rest) = page.split_once(BEGIN).unwrap();
     let (found, after) = rest.split_once(END).unwrap();
     let expected = reference();
     if found != expected && std::env::var_os("UPDATE_SNAPSHOTS").is_some() {
@@ -383,7 +383,7 @@ fn readme_lists_every_field_as_the_code_has_it() {
     }
     assert!(
         found == expected,
-        "README.md's preset reference is not what the code says; write it anew with UPDATE_SNAPSHOTS=true"
+        "the reference in presets/README.md is not what the code says; write it anew with UPDATE_SNAPSHOTS=true"
     );
 }
 

@@ -1,7 +1,7 @@
 //! What the program knows about every number a user can edit: unit, range, default and what it does to the cloth.
 //!
 //! The `section!` macro declares a part of a [`Design`](super::Design) once; serde, `Default`, validation, the
-//! sliders of the designer, preset files and the README's reference all read that one declaration.
+//! sliders of the designer, preset files and the reference in presets/README.md all read that one declaration.
 
 use std::fmt;
 

@@ -1,6 +1,6 @@
 //! The shape of a design as data: every field's name, kind of value and meaning.
 //!
-//! Reading a preset (types, unknown fields, suggestions), writing one (order and comments), `--set` and the README's
+//! Reading a preset (types, unknown fields, suggestions), writing one (order and comments), `--set` and the
 //! reference all walk this one description; the `section!` and `choice!` macros make it from the declarations.
 
 use super::pattern::ALLOWED_STITCHES;

@@ -1,5 +1,5 @@
 // The light of further bounces, estimated from one shadow ray instead of traced; definition, meaning of the numbers and
-// their source: renderer-core/src/reference/bounced.rs.
+// their source: renderer-core/src/optics/bounced.rs.
 
 // g, r and β of each mode.
 const BOUNCED_FIRST: vec3<f32> = vec3<f32>(0.0606, 0.5, 0.6);

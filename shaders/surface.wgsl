@@ -1,7 +1,7 @@
 // How ground yarns scatter (MODEL.md §7): lambert, phong, and poulin_fournier, whose yarns are covered with parallel
 // half-cylinders along the yarn, `fibre_spacing` radii apart, that hide and shade each other and the floor between them
 // (Poulin and Fournier 1990). Values are ψ/albedo with the light's cosine; what they mean and why is told in
-// renderer-core/src/reference/surface.rs.
+// renderer-core/src/optics/surface.rs.
 
 // Positive points and weights of the Gauss–Legendre rule with eight points over [−1, 1].
 const NODES: vec4<f32> = vec4<f32>(0.18343464, 0.52553241, 0.79666648, 0.96028986);

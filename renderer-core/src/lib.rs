@@ -1,22 +1,16 @@
-//! Renderer core: the towel model and everything that draws it.
+//! Renderer core: the towel model and everything that draws it. What a correct picture is: [`model`].
 //!
-//! ```text
-//! Design ──compile──► Scene ──► gpu, cpu or reference ──► accumulation ──► Picture, viewport texture
-//! ```
-//!
-//! - [`design`]: what a user edits, and preset files.
-//! - [`scene`]: a design resolved: loop frames, cell lists, loop volumes, skeleton, lights.
-//! - [`geometry`], [`sampling`]: bilinear patches and random sequences, without knowledge of scenes.
-//! - [`optics`]: how points scatter, and what light comes from where.
-//! - [`render`]: what the backends share: request, camera, progress.
-//! - [`mod@reference`]: plain scalar f64, the oracle. [`cpu`]: all cores. [`gpu`]: wgpu compute.
-//! - [`image`]: pictures, their display, files and differences.
+#![doc = include_str!("../ARCHITECTURE.md")]
 
 pub mod cpu;
 pub mod design;
 pub mod geometry;
 pub mod gpu;
 pub mod image;
+
+#[doc = include_str!("../MODEL.md")]
+pub mod model {}
+
 pub mod optics;
 pub mod reference;
 pub mod render;

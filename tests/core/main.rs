@@ -12,6 +12,7 @@ mod chart_edit;
 mod colour;
 mod compile;
 mod cpu;
+mod documents;
 mod environment;
 mod error_estimate;
 mod excerpts;

@@ -1,7 +1,7 @@
 //! The frame of a yarn loop: a bilinear patch made thick along one constant normal (MODEL.md §4).
 //!
-//! X(u,v,w) = P(u,v) + w·h·n̂ with n̂ = (b × c)/|b × c| and w in [−½, ½]. Because n̂ is constant, a point is inverted by
-//! projecting it along n̂ onto the plane of b and c, where A's part is αb + βc.
+//! X(u,v,w) = P(u,v) + w·h·n̂ with n̂ = (b × c)/|b × c| and w in [−½, ½]. Because n̂ is constant, a point is inverted
+//! by projecting it along n̂ onto the plane of b and c, where A's part is αb + βc.
 
 use glam::DVec3;
 
@@ -97,8 +97,8 @@ impl LoopFrame {
         self.duals
     }
 
-    /// (u, v, w) of the point at (p, q) in the basis (b, c) and at `height` over their plane. Exact within convex frames,
-    /// and next to them.
+    /// (u, v, w) of the point at (p, q) in the basis (b, c) and at `height` over their plane. Exact within convex
+    /// frames, and next to them.
     ///
     /// From p = u′(1 + αv′), q = v′(1 + βu′): βu′² + (1 + αq − βp)u′ − p = 0, of which the root that vanishes with p.
     pub(super) fn coordinates(&self, p: f64, q: f64, height: f64) -> [f64; 3] {
@@ -118,8 +118,8 @@ impl LoopFrame {
         self.coordinates(p, q, offset.dot(self.normal))
     }
 
-    /// The part of `span` along a ray outside of which the ray is certainly not in the frame: there |u′|, |v′| and |w| stay
-    /// within ½, and with them p, q and the height over the middle plane, which are linear along the ray.
+    /// The part of `span` along a ray outside of which the ray is certainly not in the frame: there |u′|, |v′| and |w|
+    /// stay within ½, and with them p, q and the height over the middle plane, which are linear along the ray.
     pub fn clip(&self, ray: &Ray, span: Interval) -> Interval {
         let offset = ray.origin - self.patch.centre;
         let within = |span: Interval, axis: DVec3, bound: f64| {

@@ -2,8 +2,8 @@
 //! loop's surfaces of constant u, v or w (MODEL.md §4).
 //!
 //! Projected along n̂ onto the plane of b and c a point has coordinates p = u′(1 + αv′), q = v′(1 + βu′), u′ = u − ½,
-//! v′ = v − ½; p, q and the height over that plane are linear along a ray. A surface of constant u or v is a plane, since
-//! it holds n̂; one of constant w is the patch, moved along n̂.
+//! v′ = v − ½; p, q and the height over that plane are linear along a ray. A surface of constant u or v is a plane,
+//! since it holds n̂; one of constant w is the patch, moved along n̂.
 
 use super::{BilinearPatch, Interval, LoopFrame, PatchLine, Ray, Roots};
 
@@ -120,7 +120,7 @@ impl<'a> FrameLine<'a> {
         over
     }
 
-    /// The same for v.
+    /// 0 where the line crosses the plane of constant v; positive on the side of larger v.
     fn over_v(&self, v: f64) -> Linear {
         let [alpha, beta] = self.frame.skew();
         let s = v - 0.5;
@@ -146,8 +146,8 @@ impl<'a> FrameLine<'a> {
         self.patch_line.roots_within(offset, 0.5 + BORDER)
     }
 
-    /// The parts of `span` inside the frame: the clip by the four side faces is cut at the crossings with top and bottom,
-    /// and those pieces are kept that are inside at their middle.
+    /// The parts of `span` inside the frame: the clip by the four side faces is cut at the crossings with top and
+    /// bottom, and those pieces are kept that are inside at their middle.
     pub fn inside(&self, span: Interval) -> InsideParts {
         let negative = |over: Linear| over.scaled(-1.0);
         let mut within = span;

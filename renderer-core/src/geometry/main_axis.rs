@@ -2,8 +2,8 @@
 
 use glam::{DMat3, DVec3};
 
-/// The unit eigenvector of the largest eigenvalue of a symmetric matrix that is (nearly) positive semidefinite; the y axis,
-/// along the loop, for a matrix without a direction.
+/// The unit eigenvector of the largest eigenvalue of a symmetric matrix that is (nearly) positive semidefinite; the y
+/// axis, along the loop, for a matrix without a direction.
 ///
 /// Repeated squaring: M² has the same eigenvectors and squared eigenvalues, so that after 8 squarings anything below
 /// 0.9 of the largest has dropped below 10⁻¹¹ of it.

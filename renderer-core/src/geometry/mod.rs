@@ -34,7 +34,7 @@ impl Ray {
         self.origin + self.direction * t
     }
 
-    /// The same ray seen from `centre`.
+    /// This ray in coordinates whose origin is `centre`.
     pub fn relative_to(&self, centre: DVec3) -> Self {
         Self {
             origin: self.origin - centre,

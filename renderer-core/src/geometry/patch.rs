@@ -3,10 +3,10 @@
 //! The patch is written about its middle: with u′ = u − ½, v′ = v − ½,
 //! P = `centre` + u′·b + v′·c + u′v′·A, which is MODEL.md §4's P0 + u·B + v·C + uv·A with b = B + ½A, c = C + ½A.
 //!
-//! Method: a ray meets the ruling line of constant u where (`centre` + u′b − o)·((c + u′A) × direction) = 0, a quadratic
-//! in u′, solved with the sign-safe formula; v′ and t follow from that line (Reshetov, "Cool Patches", Ray Tracing Gems
-//! 2019, ch. 8). The paper's §5.2 solves the same system. A vanishing leading coefficient falls through to the linear
-//! root, not to a division.
+//! Method: a ray meets the ruling line of constant u where (`centre` + u′b − o)·((c + u′A) × direction) = 0, a
+//! quadratic in u′, solved with the sign-safe formula; v′ and t follow from that line (Reshetov, "Cool Patches", Ray
+//! Tracing Gems 2019, ch. 8). The paper's §5.2 solves the same system. A vanishing leading coefficient falls through to
+//! the linear root, not to a division.
 
 use glam::DVec3;
 
@@ -148,7 +148,7 @@ impl<'a> PatchLine<'a> {
         self.roots_within(offset, 0.5)
     }
 
-    /// The same for the part with u and v at most `reach` from ½.
+    /// Crossings with the part with u and v at most `reach` from ½ of the patch moved by `offset`, in order of t.
     pub(super) fn roots_within(&self, offset: DVec3, reach: f64) -> Roots {
         let within = -reach..=reach;
         let to_centre = self.to_centre + offset;

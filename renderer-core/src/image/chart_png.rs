@@ -74,7 +74,8 @@ pub fn png_text(file: impl BufRead + Seek, keyword: &str) -> Option<String> {
     text.get_text().ok()
 }
 
-/// Row by row, what of each row lies in each tile: the tile, the row in it, and how many of its pixels lie in the image.
+/// Row by row, what of each row lies in each tile: the tile, the row in it, and how many of its pixels lie in the
+/// image.
 fn for_each_run(chart: &ChartImage, mut run: impl FnMut(&crate::design::Tile, usize, usize)) {
     let [across, _] = chart.tiles();
     for y in 0..chart.height() {

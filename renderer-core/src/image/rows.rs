@@ -1,5 +1,5 @@
-//! Picture files written while the picture is made: rows go in from top to bottom, and no more of them are in memory than
-//! were made at once.
+//! Picture files written while the picture is made: rows go in from top to bottom, and no more of them are in memory
+//! than were made at once.
 
 use std::borrow::Borrow;
 use std::io::{Seek, Write};
@@ -24,7 +24,8 @@ pub struct PngLook<'a> {
     pub depth: Depth,
     /// Leaves this background out; then there is an alpha channel.
     pub transparent: Option<Background>,
-    /// Whole chunks (length, type, data, checksum) to stand behind the header: what the file carries beside the picture.
+    /// Whole chunks (length, type, data, checksum) to stand behind the header: what the file carries beside the
+    /// picture.
     pub chunks: &'a [Vec<u8>],
 }
 
@@ -117,8 +118,8 @@ pub struct ExrLook {
 /// Rows that an OpenEXR file holds together: pictures that are added must have a multiple of it, but for the last.
 pub const EXR_BLOCK_ROWS: u32 = 16;
 
-/// Writes an OpenEXR file of linear radiance, as [`super::encode_exr`] makes it, from the pictures that `next` gives: rows
-/// from the top, all `size[0]` wide, together `size[1]` high.
+/// Writes an OpenEXR file of linear radiance, as [`super::encode_exr`] makes it, from the pictures that `next` gives:
+/// rows from the top, all `size[0]` wide, together `size[1]` high.
 ///
 /// # Errors
 /// What `next` says, or when the file refuses.

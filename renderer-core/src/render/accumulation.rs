@@ -173,9 +173,9 @@ impl Tile {
 
     /// The error of its pixels; `None` until two scrambles have had their first runs everywhere.
     ///
-    /// The means mᵢ of the k scrambles that have samples are independent. With nᵢ samples of n each varies about as 1/nᵢ, so the
-    /// variance of the mean m of all is Σ nᵢ(mᵢ − m)²/((k − 1)·n). Samples within one scramble are not independent, and their
-    /// own spread would tell nothing about it (MODEL.md §10).
+    /// The means mᵢ of the k scrambles that have samples are independent. With nᵢ samples of n each varies about as
+    /// 1/nᵢ, so the variance of the mean m of all is Σ nᵢ(mᵢ − m)²/((k − 1)·n). Samples within one scramble are not
+    /// independent, and their own spread would tell nothing about it (MODEL.md §10).
     pub fn errors(&self) -> Option<PixelErrors> {
         let mut errors = PixelErrors::default();
         for pixel in &self.pixels {
@@ -270,7 +270,8 @@ impl Accumulation {
         self.tiles.iter().map(|t| tile(t) as u64).sum()
     }
 
-    /// The error of each tile and of the whole picture; `None` until two scrambles have had their first runs everywhere.
+    /// The error of each tile and of the whole picture; `None` until two scrambles have had their first runs
+    /// everywhere.
     pub fn errors(&self) -> Option<(Vec<PixelErrors>, PixelErrors)> {
         let mut whole = PixelErrors::default();
         let of_tiles = self.tiles.iter().map(|tile| {
@@ -370,8 +371,8 @@ impl Accumulation {
         }
     }
 
-    /// For every tile the one that its pixels are taken from: itself if it has begun, else the nearest before it in
-    /// the order of drawing, else the nearest after it; but never one of background, which would be taken for the cloth.
+    /// For every tile the one that its pixels are taken from: itself if it has begun, else the nearest before it in the
+    /// order of drawing, else the nearest after it; but never one of background, which would be taken for the cloth.
     fn drawn_tiles(&self) -> Vec<Option<&Tile>> {
         let mut last = None;
         let mut sources: Vec<_> = self

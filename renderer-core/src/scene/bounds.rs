@@ -1,13 +1,14 @@
-//! Where the volume of a loop can be: parallelepipeds that hold it, and their height range over a cell. mm, relative to the
-//! loop's own cell.
+//! Where the volume of a loop can be: parallelepipeds that hold it, and their height range over a cell. mm, relative to
+//! the loop's own cell.
 //!
 //! The volume is X = P(½,½) + u′b + v′c + u′v′A + w·h·n̂ with |u′|, |v′|, |w| ≤ ½, b and c the patch's edges in its
-//! middle. Split into k × l parts, each with its own b and c, the term in A is at most |A|/(4kl): with A = αb + βc + γn̂
-//! it fits into a parallelepiped with slightly longer edges (1 + α/(2l) …), which for α = β = γ = 0 is the volume itself.
+//! middle. Split into k × l parts, each with its own b and c, the term in A is at most |A|/(4kl): with A = αb + βc +
+//! γn̂ it fits into a parallelepiped with slightly longer edges (1 + α/(2l) …), which for α = β = γ = 0 is the volume
+//! itself.
 //!
-//! Over a cell, the highest point of a parallelepiped is a linear programme in three bounded unknowns. Its dual has
-//! two unknowns (λ, μ), the slopes of a plane above the volume, and its optimum is one of ten vertices that do not
-//! depend on the cell. Any (λ, μ) gives a valid bound. So a cell costs eight multiply-adds: the two vertices that follow the
+//! Over a cell, the highest point of a parallelepiped is a linear programme in three bounded unknowns. Its dual has two
+//! unknowns (λ, μ), the slopes of a plane above the volume, and its optimum is one of ten vertices that do not depend
+//! on the cell. Any (λ, μ) gives a valid bound. So a cell costs eight multiply-adds: the two vertices that follow the
 //! thickness alone are left out, for a range that is half a per cent wider on the default pile. And they are f32, four
 //! at a time, with what rounding may do added to each bound.
 
@@ -31,8 +32,9 @@ const SPLITS: [[u32; 2]; 9] = [
 ];
 /// Slopes above this are left out: rounding would eat the bound.
 const STEEPEST: f32 = 64.0;
-/// What f32 rounding may do to the bound of a plane without slopes, as a share of the largest number in it. With u = 2⁻²⁴:
-/// four u for each edge and six for their sum and the cell's part, ten for the plane over a cell; together 1.2·10⁻⁶.
+/// What f32 rounding may do to the bound of a plane without slopes, as a share of the largest number in it. With u =
+/// 2⁻²⁴: four u for each edge and six for their sum and the cell's part, ten for the plane over a cell; together
+/// 1.2·10⁻⁶.
 const ROUNDING: f64 = 2e-6;
 
 /// Smallest box that holds the volume: that of its eight corners, since every point is a mean of them.
@@ -176,7 +178,8 @@ pub(super) struct PartOverCells {
     k: [f32; PLANES],
 }
 
-/// Vertices of the dual: no slope, slopes along x or y alone that follow an edge of the patch, slopes that follow two edges.
+/// Vertices of the dual: no slope, slopes along x or y alone that follow an edge of the patch, slopes that follow two
+/// edges.
 const PLANES: usize = 8;
 
 impl PartOverCells {
@@ -228,8 +231,8 @@ impl PartOverCells {
         }
     }
 
-    /// Lowest and highest point of the part, from its centre, over the cell whose centre is at (x, y) from it, a cell that
-    /// the part's box reaches; `None` where the part does not.
+    /// Lowest and highest point of the part, from its centre, over the cell whose centre is at (x, y) from it, a cell
+    /// that the part's box reaches; `None` where the part does not.
     #[inline(always)]
     pub(super) fn z_range(&self, [x, y]: [f32; 2]) -> Option<[f32; 2]> {
         let apart = self

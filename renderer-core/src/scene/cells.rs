@@ -104,7 +104,8 @@ impl CellSet {
         self.masks(warps).any(|(word, mask)| bits(word, mask))
     }
 
-    /// The cells within reach of the set's: from `x[0]` to `x[1]` warps and from `y[0]` to `y[1]` wefts beside one of them.
+    /// The cells within reach of the set's: from `x[0]` to `x[1]` warps and from `y[0]` to `y[1]` wefts beside one of
+    /// them.
     #[must_use]
     pub fn spread(&self, x: [i64; 2], y: [i64; 2]) -> Self {
         let wefts = self.wefts();

@@ -41,8 +41,8 @@ impl<'a> ChartOnSheet<'a> {
         self.chart.pixels.is_none()
     }
 
-    /// The cell under the middle of the texel at column `x`, row `y` of a chart that lies on the cloth once; `None` beside the
-    /// cloth, and for charts that repeat.
+    /// The cell under the middle of the texel at column `x`, row `y` of a chart that lies on the cloth once; `None`
+    /// beside the cloth, and for charts that repeat.
     pub fn cell_under(&self, image: &ChartImage, [x, y]: [usize; 2]) -> Option<[usize; 2]> {
         let [warps, wefts] = self.cells;
         match self.chart.fit {

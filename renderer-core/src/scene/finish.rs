@@ -1,6 +1,6 @@
-//! Wear and finish: what happens to loops after weaving. A map brushes the front's pile one way or another; shears cut a face
-//! level; some loops that they did not reach are pulled out; water darkens the yarn, thins it and gathers loops into clumps.
-//! mm and radians.
+//! Wear and finish: what happens to loops after weaving. A map brushes the front's pile one way or another; shears cut
+//! a face level; some loops that they did not reach are pulled out; water darkens the yarn, thins it and gathers loops
+//! into clumps. mm and radians.
 //!
 //! All of it is decided here, before anything is drawn: renderers see loops, materials and volumes as ever.
 
@@ -78,8 +78,8 @@ impl Finishing {
         }
     }
 
-    /// What happens to the loop with this hash of a cell of the whole cloth; the middle of its cell is at a place, mm from the
-    /// cloth's low corner.
+    /// What happens to the loop with this hash of a cell of the whole cloth; the middle of its cell is at a place, mm
+    /// from the cloth's low corner.
     pub(super) fn of_loop(
         &self,
         hash: u32,
@@ -116,8 +116,8 @@ impl Finishing {
 }
 
 impl Clumps {
-    /// From a place to where water draws the tip of its loop: towards the nearest of scattered middles, one in each square of
-    /// the clumps' size (Worley's cells).
+    /// From a place to where water draws the tip of its loop: towards the nearest of scattered middles, one in each
+    /// square of the clumps' size (Worley's cells).
     fn draw_mm(&self, place_mm: [f64; 2]) -> [f64; 2] {
         let square = place_mm.map(|mm| (mm / self.size_mm).floor() as i64);
         let mut nearest = ([0.0; 2], f64::INFINITY);
@@ -168,8 +168,8 @@ pub(super) fn shorn(kind: PileKind) -> PileKind {
     }
 }
 
-/// A pile with water in it: yarns are drawn together, so they are thinner and as much denser, their stray fibres lie on them,
-/// and loops close.
+/// A pile with water in it: yarns are drawn together, so they are thinner and as much denser, their stray fibres lie on
+/// them, and loops close.
 pub(super) fn wet_pile(pile: &Pile, wetness: f64) -> Pile {
     let thinner = 1.0 - THINNING * wetness;
     Pile {
@@ -181,10 +181,10 @@ pub(super) fn wet_pile(pile: &Pile, wetness: f64) -> Pile {
     }
 }
 
-/// What a cloth of reflectance `dry` reflects when a share `wetness` of its yarns is covered by water, without the film's own
-/// mirror image of the light: the film lets a share of the light in and throws most of what comes back onto the yarn again,
-/// where more is absorbed (Ångström 1925; Lekner and Dorf 1988, "Why some things are darker when wet", with
-/// p = 1 − (1 − R̄)/n² for the share thrown back).
+/// What a cloth of reflectance `dry` reflects when a share `wetness` of its yarns is covered by water, without the
+/// film's own mirror image of the light: the film lets a share of the light in and throws most of what comes back onto
+/// the yarn again, where more is absorbed (Ångström 1925; Lekner and Dorf 1988, "Why some things are darker when wet",
+/// with p = 1 − (1 − R̄)/n² for the share thrown back).
 pub fn wet_reflectance(dry: f64, wetness: f64) -> f64 {
     let thrown_back = 1.0 - (1.0 - FILM_REFLECTS) / (WATER * WATER);
     let wet = (1.0 - FILM_REFLECTS) * (1.0 - thrown_back) * dry / (1.0 - thrown_back * dry);
@@ -192,7 +192,7 @@ pub fn wet_reflectance(dry: f64, wetness: f64) -> f64 {
 }
 
 impl Skeleton {
-    /// The same with water on a share of its yarns.
+    /// This ground weave with water on a share of its yarns: only their albedo changes.
     pub(super) fn wet(self, wetness: f64) -> Self {
         Self {
             albedo: self

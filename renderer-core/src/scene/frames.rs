@@ -18,7 +18,7 @@ pub const MAX_LEAN: f64 = 1.3;
 pub const MAX_TWIST: f64 = 2.5;
 /// Largest |α| + |β| of a patch; at 2 it stops being convex seen along its normal.
 pub const MAX_SKEW: f64 = 1.8;
-/// The same after rounding to whole units of length: still short of 2.
+/// Largest |α| + |β| of a patch that was rounded to whole units of length: still short of 2.
 const ROUNDED_SKEW: f64 = 1.9;
 /// A patch is degenerate when |b × c| is below this share of w₀·L.
 const DEGENERATE: f64 = 1e-3;
@@ -78,8 +78,8 @@ impl FrameSettings {
         (chart_mm * (1.0 + self.stretch + length_jitter)).min(self.max_length)
     }
 
-    /// The longest that half the top edge gets where the heights of roots differ by at most `step_mm`: ratios of the top's
-    /// width to the root's are moved towards 1 where they are.
+    /// The longest that half the top edge gets where the heights of roots differ by at most `step_mm`: ratios of the
+    /// top's width to the root's are moved towards 1 where they are.
     pub(super) fn half_top_mm(&self, step_mm: f64) -> f64 {
         0.5 * self.top_ratio.max(1.0) * self.base_width.hypot(step_mm)
     }
@@ -220,7 +220,8 @@ pub fn loop_shape(
         Some(Shorn::Not) | None if input.finish.pulled_mm > 0.0 => {
             wanted_length += input.finish.pulled_mm;
             let longer = wanted_length.min(settings.max_length);
-            // As long a loop as lies on the pile with all its slack leans that far, and each some share of it its own way.
+            // As long a loop as lies on the pile with all its slack leans that far, and each some share of it its own
+            // way.
             let limp = (length / longer).acos();
             let lean = [0, 1].map(|axis| lean[axis] + limp * input.jitter.lean[axis]);
             stood = standing(lean, longer).1;
@@ -365,7 +366,8 @@ impl Stance {
         (self.frame(lean, ratio), lean, ratio)
     }
 
-    /// What shears leave that cut at this height over the sheet's plane. The highest corner of what they reach is there.
+    /// What shears leave that cut at this height over the sheet's plane. The highest corner of what they reach is
+    /// there.
     fn shorn(&self, frame: &Frame, height: f64) -> Shorn {
         let rise = self.normal.dot(frame.axis);
         let (top, over) = (self.root_height + rise, self.normal.dot(frame.half_top));

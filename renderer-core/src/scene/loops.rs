@@ -26,8 +26,9 @@ pub struct LoopPatch {
 /// A [`LoopPatch`] as scenes store it, in whole [`Loops::length_unit_mm`]. 16 bytes.
 ///
 /// What is stored is the scene: bounds are made from it, and since the unit has at most nine significant bits, every
-/// backend gets the same numbers from it to the bit. Against the design each component is off by at most half a unit, and a
-/// corner of the patch by at most one and a half units along each axis: 0.15 µm where no loop can get longer than 3.2 mm.
+/// backend gets the same numbers from it to the bit. Against the design each component is off by at most half a unit,
+/// and a corner of the patch by at most one and a half units along each axis: 0.15 µm where no loop can get longer than
+/// 3.2 mm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Pod, Zeroable)]
 #[repr(C)]
 pub struct LoopShape {
@@ -79,13 +80,14 @@ impl BlockHeader {
         ]
     }
 
-    /// The heights in which the block's entries tell where loops of one face are, mm: the block's range but for what only the
-    /// other face's loops reach. Lowest above highest where no loop reaches the block.
+    /// The heights in which the block's entries tell where loops of one face are, mm: the block's range but for what
+    /// only the other face's loops reach. Lowest above highest where no loop reaches the block.
     pub fn heights_mm(&self, loops: &Loops, face: Face) -> [f64; 2] {
         self.heights_of(loops.height_unit_mm, loops.dip_mm, face)
     }
 
-    /// The same with [`Loops::height_unit_mm`] and [`Loops::dip_mm`] before there are [`Loops`].
+    /// What [`Self::heights_mm`] gives, from [`Loops::height_unit_mm`] and [`Loops::dip_mm`] before there are
+    /// [`Loops`].
     pub(super) fn heights_of(&self, unit_mm: f32, dip_mm: f32, face: Face) -> [f64; 2] {
         let [low, high] = self.z_units().map(|z| f64::from(z) * f64::from(unit_mm));
         let dip = f64::from(dip_mm);
@@ -115,16 +117,16 @@ pub struct EntryParts {
     pub place: u32,
     /// Which quadrants of the block the loop's volume reaches: bit x + 2y is the one at (x, y).
     pub quadrants: u32,
-    /// Which ninths of the block the loop's patch (w = 0) reaches: bit x + 3y is the one at (x, y). None where only the rest of
-    /// the volume reaches the block.
+    /// Which ninths of the block the loop's patch (w = 0) reaches: bit x + 3y is the one at (x, y). None where only the
+    /// rest of the volume reaches the block.
     pub ninths: u32,
-    /// Lowest and highest point of the volume's part in the block, in steps of [`BlockHeader::heights_mm`], rounded outwards:
-    /// the lowest from its step's low end, the highest to its step's high end.
+    /// Lowest and highest point of the volume's part in the block, in steps of [`BlockHeader::heights_mm`], rounded
+    /// outwards: the lowest from its step's low end, the highest to its step's high end.
     pub heights: [u32; 2],
 }
 
-/// How many bits the parts of a scene's entries have: what near loops do not need to tell whose they are is left to tell
-/// where they are.
+/// How many bits the parts of a scene's entries have: what near loops do not need to tell whose they are is left to
+/// tell where they are.
 ///
 /// From the lowest bit: the offset along x and y (`offset_bits` each, signed), the place (`place_bits`), the quadrants
 /// (4 bits), the ninths (9 bits), the heights (`height_bits` each).
@@ -222,8 +224,8 @@ impl EntryLayout {
 
 /// Shapes of all loops and the grid that finds them.
 ///
-/// The grid's blocks are squares of [`Self::block_cells`]² cells, block (0, 0) beginning with cell (0, 0). Blocks to the left
-/// and in front of it, and behind the sheet's other two borders, list the loops that hang over them.
+/// The grid's blocks are squares of [`Self::block_cells`]² cells, block (0, 0) beginning with cell (0, 0). Blocks to
+/// the left and in front of it, and behind the sheet's other two borders, list the loops that hang over them.
 #[derive(Debug, Clone)]
 pub struct Loops {
     /// One shape a loop, ordered by block (row by row), within one by its bit in [`BlockHeader::planted`].

@@ -37,8 +37,8 @@ impl NapOnSheet {
         self.strength
     }
 
-    /// How it leans the loops of cell (i, j) of that cloth. A map that covers the cloth is smooth between the middles of its pixels; in
-    /// others one pixel is one crossing.
+    /// How it leans the loops of cell (i, j) of that cloth. A map that covers the cloth is smooth between the middles
+    /// of its pixels; in others one pixel is one crossing.
     pub(super) fn lean(&self, i: usize, j: usize) -> [f64; 2] {
         let Some(image) = &self.map.pixels else {
             return [0.0; 2];

@@ -1,9 +1,9 @@
-//! Noise of the turbulence's channels along a weft (MODEL.md §3). The `noise` crate defines it: its tables, and its functions
-//! to the bit.
+//! Noise of the turbulence's channels along a weft (MODEL.md §3). The `noise` crate defines it: its tables, and its
+//! functions to the bit.
 //!
-//! Along a weft neighbours lie in the same cell of the noise's lattice, so octaves are summed one after the other over the
-//! whole weft. For Perlin noise, what a lattice cell's corners give is then looked up once a lattice cell instead of
-//! once a point; the arithmetic is the crate's, operation by operation.
+//! Along a weft neighbours lie in the same cell of the noise's lattice, so octaves are summed one after the other over
+//! the whole weft. For Perlin noise, what a lattice cell's corners give is then looked up once a lattice cell instead
+//! of once a point; the arithmetic is the crate's, operation by operation.
 
 use std::f64::consts::SQRT_2;
 

@@ -16,8 +16,8 @@ pub struct CompileReport {
     pub kept: [bool; SECTIONS.len()],
     /// Frames of loops that were computed.
     pub frames_made: u64,
-    /// Frames of loops that were not, of two for every cell of the sheet: where pattern, chart or length leave out the loop,
-    /// or it cannot be seen.
+    /// Frames of loops that were not, of two for every cell of the sheet: where pattern, chart or length leave out the
+    /// loop, or it cannot be seen.
     pub frames_left_out: u64,
     /// How long it took.
     pub seconds: StageSeconds,

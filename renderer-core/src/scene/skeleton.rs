@@ -64,7 +64,8 @@ impl Skeleton {
         }
     }
 
-    /// Share of the sheet between the yarns, where rays go through to the other side (MODEL.md §7); 1 if it is not drawn.
+    /// Share of the sheet between the yarns, where rays go through to the other side (MODEL.md §7); 1 if it is not
+    /// drawn.
     pub fn open_share(&self, sheet: &SheetGeometry) -> f64 {
         if !self.visible {
             return 1.0;
@@ -74,9 +75,9 @@ impl Skeleton {
         open(self.warp_radius_mm, sheet.pitch_x_mm) * open(self.weft_radius_mm, sheet.pitch_y_mm)
     }
 
-    /// In which share points of the pile look for light on the other side of the ground, half of all directions. With V the
-    /// light's visibility on their own side and g·V on the other, g the open share, the variance of what they gather is
-    /// least where sides are looked to in proportion to √V. f32, so that all renderers have the same number.
+    /// In which share points of the pile look for light on the other side of the ground, half of all directions. With V
+    /// the light's visibility on their own side and g·V on the other, g the open share, the variance of what they
+    /// gather is least where sides are looked to in proportion to √V. f32, so that all renderers have the same number.
     pub fn worth_looking_down(&self, sheet: &SheetGeometry) -> f32 {
         /// Light comes round the cloth's border, too.
         const LEAST: f64 = 1.0 / 16.0;

@@ -16,8 +16,9 @@ pub const CHANNELS: [&str; 4] = ["tilt x", "tilt y", "stretch", "twist"];
 
 /// The four channels of every cell, each in [−1, 1].
 ///
-/// Compile asks for no more than it needs: the cells where loops stand and the channels that move them. What was not asked
-/// for is 0. Under a filter every cell depends on its neighbours and on the deviation of all, so it has all cells.
+/// Compile asks for no more than it needs: the cells where loops stand and the channels that move them. What was not
+/// asked for is 0. Under a filter every cell depends on its neighbours and on the deviation of all, so it has all
+/// cells.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TurbulenceField {
     warps: usize,

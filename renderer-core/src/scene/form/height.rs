@@ -1,10 +1,11 @@
 //! A surface whose heights a picture tells: a bicubic B-spline over the sheet.
 //!
-//! Space: the sheet's x and y, mm; heights in mm over the plane of level cloth. The picture covers the sheet, its first row at the
-//! far edge. It is averaged over a grid of squares as wide as `form.smooth`, or of its own pixels where these are larger, and the
-//! averages are the control points of the uniform spline (de Boor, "A Practical Guide to Splines", 1978), which stays between them
-//! and has continuous slopes and bends. Square and spline together blend heights like a bell of 0.65 squares' standard deviation
-//! (√(1/12 + 1/3)), so that steps of 8 bits do not show as stairs. Beyond the sheet the outermost control points go on.
+//! Space: the sheet's x and y, mm; heights in mm over the plane of level cloth. The picture covers the sheet, its first
+//! row at the far edge. It is averaged over a grid of squares as wide as `form.smooth`, or of its own pixels where
+//! these are larger, and the averages are the control points of the uniform spline (de Boor, "A Practical Guide to
+//! Splines", 1978), which stays between them and has continuous slopes and bends. Square and spline together blend
+//! heights like a bell of 0.65 squares' standard deviation (√(1/12 + 1/3)), so that steps of 8 bits do not show as
+//! stairs. Beyond the sheet the outermost control points go on.
 
 use glam::DVec2;
 
@@ -22,8 +23,8 @@ pub(super) struct HeightMap {
 }
 
 impl HeightMap {
-    /// The heights of a picture over a sheet of a size, mm: white is `highest` mm over black, and details below `smooth` mm are
-    /// blended.
+    /// The heights of a picture over a sheet of a size, mm: white is `highest` mm over black, and details below
+    /// `smooth` mm are blended.
     pub fn new(image: &HeightImage, highest: f64, smooth: f64, size: DVec2) -> Self {
         let pixels = [image.width(), image.height()];
         let count = |axis: usize| ((size[axis] / smooth).round() as usize).clamp(1, pixels[axis]);
@@ -127,8 +128,8 @@ impl Span {
     }
 }
 
-/// Which of `count` squares pixel `index` of `pixels` lies in, and which share of the square it is; one or two, since there are no
-/// more squares than pixels.
+/// Which of `count` squares pixel `index` of `pixels` lies in, and which share of the square it is; one or two, since
+/// there are no more squares than pixels.
 fn covered(index: usize, pixels: usize, count: usize) -> impl Iterator<Item = (usize, f64)> {
     // In whole numbers: a pixel is `count` long, a square `pixels`.
     let (start, end) = (index * count, (index + 1) * count);

@@ -1,7 +1,7 @@
 //! A smooth surface that a net of points pulls: a bicubic B-spline that begins and ends in the outermost points.
 //!
-//! Source: de Boor, "A Practical Guide to Splines", 1978. Along each side of n points the knots are 0, 0, 0, 0, 1, …, n − 3, n − 3,
-//! n − 3, n − 3.
+//! Source: de Boor, "A Practical Guide to Splines", 1978. Along each side of n points the knots are 0, 0, 0, 0, 1, …,
+//! n − 3, n − 3, n − 3, n − 3.
 
 use glam::DVec3;
 
@@ -16,14 +16,15 @@ fn knot(index: usize, count: usize) -> f64 {
     (index as f64 - 3.0).clamp(0.0, (count - 3) as f64)
 }
 
-/// Where along a side, from 0 to 1, point `index` of `count` stands in a net that stretches nothing (Greville's abscissa).
+/// Where along a side, from 0 to 1, point `index` of `count` stands in a net that stretches nothing (Greville's
+/// abscissa).
 fn rest_place(index: usize, count: usize) -> f64 {
     let sum: f64 = (1..=3).map(|k| knot(index + k, count)).sum();
     sum / (3 * (count - 3)) as f64
 }
 
-/// Weights of the four points from the first returned on, at `share` of a side of `count` points; beyond the ends the surface
-/// goes on straight.
+/// Weights of the four points from the first returned on, at `share` of a side of `count` points; beyond the ends the
+/// surface goes on straight.
 fn weights(share: f64, count: usize) -> (usize, [f64; 4]) {
     let inside = share.clamp(0.0, 1.0);
     let x = inside * (count - 3) as f64;
@@ -84,8 +85,8 @@ impl Net {
     }
 }
 
-/// A net of `rows` rows of `columns` points that lies as `at` says at shares of the width and of the length; level cloth in a
-/// level net is not stretched.
+/// A net of `rows` rows of `columns` points that lies as `at` says at shares of the width and of the length; level
+/// cloth in a level net is not stretched.
 pub fn net_through(
     [columns, rows]: [usize; 2],
     at: impl Fn(f64, f64) -> [f64; 3],

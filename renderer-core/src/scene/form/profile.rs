@@ -14,7 +14,8 @@ const MOST_STEPS: usize = 1 << 16;
 pub(super) enum Bend {
     /// Waves of a length, as steep as an angle.
     Wave { length: f64, steepest: f64 },
-    /// A spiral of turns `gap` apart from `start` on; `outermost` is its first radius. Upwards, or with `turn` −1 downwards.
+    /// A spiral of turns `gap` apart from `start` on; `outermost` is its first radius. Upwards, or with `turn` −1
+    /// downwards.
     Roll {
         start: f64,
         outermost: f64,
@@ -23,7 +24,8 @@ pub(super) enum Bend {
     },
     /// Half a turn downwards about the middle.
     Rail { radius: f64 },
-    /// Layers of a length, and half turns between them: upwards with the first radius, then downwards with the second, and so on.
+    /// Layers of a length, and half turns between them: upwards with the first radius, then downwards with the second,
+    /// and so on.
     Stack {
         start: f64,
         layer: f64,

@@ -42,8 +42,8 @@ enum Shape {
 }
 
 impl Surface {
-    /// The surface of a form over a sheet of a size and some `margin` mm around it, whose pile stands between two heights;
-    /// `None` for a level one, as that of a height picture that nobody has read.
+    /// The surface of a form over a sheet of a size and some `margin` mm around it, whose pile stands between two
+    /// heights; `None` for a level one, as that of a height picture that nobody has read.
     ///
     /// # Errors
     /// When the form has no room for the pile.
@@ -92,7 +92,8 @@ impl Surface {
                         path: "form.layers".into(),
                         value: form.layers.to_string(),
                         allowed: format!(
-                            "so few layers that the {turned:.0} mm in the folds between them are less than the {length:.0} mm of cloth"
+                            "so few layers that the {turned:.0} mm in the folds between them are less than the {length:.0} mm \
+                             of cloth"
                         ),
                     });
                 }
@@ -179,8 +180,8 @@ impl Surface {
     }
 }
 
-/// Where a place `across` cloth comes to in folds of a length whose angle is `angle`·sin(2π·across/fold): along, and out of the
-/// plane. By the series of Jacobi and Anger of cos(a·sin t) and sin(a·sin t), integrated.
+/// Where a place `across` cloth comes to in folds of a length whose angle is `angle`·sin(2π·across/fold): along, and
+/// out of the plane. By the series of Jacobi and Anger of cos(a·sin t) and sin(a·sin t), integrated.
 fn fold_at(across: f64, fold: f64, angle: f64) -> DVec2 {
     let t = TAU * across / fold;
     let unit = fold / TAU;

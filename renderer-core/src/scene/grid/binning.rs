@@ -1,8 +1,8 @@
 //! Which blocks each loop reaches, in which quadrants and between which heights.
 //!
-//! Method: bands of block rows in parallel. A band looks at all loops that can reach it, row after row, notes (block, loop,
-//! quadrants, height range), and sorts the notes by block by counting. Heights are found for each quadrant, so that a part
-//! of a loop that is low in one and high in another stays out of the others.
+//! Method: bands of block rows in parallel. A band looks at all loops that can reach it, row after row, notes (block,
+//! loop, quadrants, height range), and sorts the notes by block by counting. Heights are found for each quadrant, so
+//! that a part of a loop that is low in one and high in another stays out of the others.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -205,8 +205,8 @@ struct Subcells<const N: i64> {
 
 /// What is done in subcells. Not a closure, since those are not sure to be compiled for their caller's instructions.
 trait Visitor {
-    /// In a subcell of the block of that number, row by row: its bit in the block, and where its middle is from that of the
-    /// box, mm.
+    /// In a subcell of the block of that number, row by row: its bit in the block, and where its middle is from that of
+    /// the box, mm.
     fn visit(&mut self, block: usize, bit: u16, at: [f32; 2]);
 }
 

@@ -1,8 +1,9 @@
-//! The grid that finds loops: for each block of cells of the weave, the loops whose volume reaches into it, each with the
-//! height range of its part there (ARCHITECTURE.md, acceleration). mm, relative to cells; conservative to f32 rounding.
+//! The grid that finds loops: for each block of cells of the weave, the loops whose volume reaches into it, each with
+//! the height range of its part there (ARCHITECTURE.md, acceleration). mm, relative to cells; conservative to f32
+//! rounding.
 //!
-//! `planting` puts loops in order and stores their shapes; `binning` finds which blocks each reaches. Both work on rows of
-//! blocks in parallel, without atomics and locks, so the order is always the same.
+//! `planting` puts loops in order and stores their shapes; `binning` finds which blocks each reaches. Both work on rows
+//! of blocks in parallel, without atomics and locks, so the order is always the same.
 
 mod binning;
 mod planting;
@@ -17,7 +18,8 @@ pub(super) use planting::{Planted, WholePile};
 
 /// Cells along each side of a block: what a grid may have.
 const BLOCK_SIZES: &[u32] = &[1, 2, 4];
-// Loops that reach farther are refused with the design; entries in a grid of the largest blocks can point as far as that.
+// Loops that reach farther are refused with the design; entries in a grid of the largest blocks can point as far as
+// that.
 const _: () = assert!(Sheet::MAX_REACH_CELLS <= (EntryLayout::FARTHEST * 4) as f64);
 
 /// Why there is no grid.

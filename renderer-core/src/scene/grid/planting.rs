@@ -15,10 +15,11 @@ use super::{BLOCK_SIZES, place_in_block};
 
 /// Largest component of a shape, in units.
 const UNITS: f64 = 32_767.0;
-/// What shape, look, list and bounds may take for each loop. Finer blocks make for fewer loops that are tested in vain, and
-/// for more entries.
+/// What shape, look, list and bounds may take for each loop. Finer blocks make for fewer loops that are tested in vain,
+/// and for more entries.
 const BYTES: f64 = 64.0;
-/// Entries that a block should list: with fewer, rays spend more on steps from block to block than finer blocks save them.
+/// Entries that a block should list: with fewer, rays spend more on steps from block to block than finer blocks save
+/// them.
 const ENTRIES: f64 = 6.0;
 /// Slack around every bound, as a share of the farthest reach of any loop: some hundred f32 roundings.
 const SLACK: f64 = 1e-5;
@@ -37,8 +38,8 @@ pub(in super::super) struct Planted {
     pub(in super::super) whole: WholePile,
 }
 
-/// What units of length and sizes of blocks are chosen for: all loops that the design asks for. So a scene that has only some
-/// of them has them to the bit as the whole scene does.
+/// What units of length and sizes of blocks are chosen for: all loops that the design asks for. So a scene that has
+/// only some of them has them to the bit as the whole scene does.
 #[derive(Debug)]
 pub(in super::super) struct WholePile {
     /// No component of any patch is larger, mm.
@@ -192,8 +193,8 @@ impl<'a> Planting<'a> {
 }
 
 impl Planted {
-    /// Cells along each side of a block, from the finest to the coarsest that may do: the finest of which loops' records are
-    /// expected to stay within [`BYTES`] and whose blocks list [`ENTRIES`], and those that are coarser.
+    /// Cells along each side of a block, from the finest to the coarsest that may do: the finest of which loops'
+    /// records are expected to stay within [`BYTES`] and whose blocks list [`ENTRIES`], and those that are coarser.
     pub(super) fn block_sizes(&self, sheet: &SheetGeometry) -> &'static [u32] {
         let WholePile { loops, samples, .. } = &self.whole;
         // Blocks that the boxes of all sampled loops touch.

@@ -1,6 +1,6 @@
-//! Binning in the wide instructions that most x86 processors of the last ten years have (AVX2), looked for when the program
-//! runs; on all others in those that the program was built for. Each operation is rounded by itself either way, so that the
-//! lists are the same to the bit.
+//! Binning in the wide instructions that most x86 processors of the last ten years have (AVX2), looked for when the
+//! program runs; on all others in those that the program was built for. Each operation is rounded by itself either way,
+//! so that the lists are the same to the bit.
 
 use std::ops::Range;
 

@@ -1,5 +1,5 @@
-//! Fur: a tuft of hairs that taper to their tips. Two in three are short and curl beside each other, the undercoat; the others,
-//! the guard hairs, stand above it and lean together.
+//! Fur: a tuft of hairs that taper to their tips. Two in three are short and curl beside each other, the undercoat; the
+//! others, the guard hairs, stand above it and lean together.
 
 use std::f64::consts::TAU;
 

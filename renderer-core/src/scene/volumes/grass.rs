@@ -10,7 +10,8 @@ use crate::sampling::Pcg;
 
 /// Thickness of a blade over its width.
 const FLATNESS: f64 = 0.12;
-/// Half the thickness over which a blade is drawn at least, in layers: thinner ones would fall between the points averaged.
+/// Half the thickness over which a blade is drawn at least, in layers: thinner ones would fall between the points
+/// averaged.
 const LEAST_LAYERS: f64 = 0.6;
 /// How much less of its light the rib gives back.
 const RIB_SHADE: f64 = 0.2;

@@ -70,7 +70,8 @@ pub fn rasterise(pile: &Pile, kinds: &[PileKind], reference_length_mm: f64) -> V
     rasterise_unless_cancelled(pile, &yarns, reference_length_mm, &Cancel::never())
 }
 
-/// The same for kinds that have a diameter of their yarn each, mm; not whole if `cancel` says so afterwards.
+/// Voxels for kinds of pile that have a diameter of their yarn each, mm, `pile.variants` of each kind; not whole if
+/// `cancel` says so afterwards. `reference_length_mm` is the length of the loop that they are drawn for.
 pub(super) fn rasterise_unless_cancelled(
     pile: &Pile,
     yarns: &[(PileKind, f64)],

@@ -1,5 +1,5 @@
-//! A yarn of twisted plies along a centre line, with a round cross-section over u, v and w: what terry loops and twisted
-//! strands are made of. Plies wind about the line as helices.
+//! A yarn of twisted plies along a centre line, with a round cross-section over u, v and w: what terry loops and
+//! twisted strands are made of. Plies wind about the line as helices.
 
 use std::f64::consts::TAU;
 
@@ -133,8 +133,8 @@ impl Strand {
         }
     }
 
-    /// Nearest point of the centre line: the point, the line's direction, and the length up to it; `None` outside the yarn,
-    /// though not everywhere there.
+    /// Nearest point of the centre line: the point, the line's direction, and the length up to it; `None` outside the
+    /// yarn, though not everywhere there.
     fn nearest(&self, point: DVec3) -> Option<(DVec3, DVec3, f64)> {
         let mut best = (f64::INFINITY, 0, 0.0);
         let mut pieces = self.slabs[slab_of((point.y - self.first_slab) * self.slabs_per_mm)];

@@ -1,5 +1,5 @@
-//! Terry: an uncut loop, two legs and an arch. The centre line lies near the patch's plane, a little bent so that no two
-//! variants are alike. The arch is half an ellipse, a circle where the loop is long enough.
+//! Terry: an uncut loop, two legs and an arch. The centre line lies near the patch's plane, a little bent so that no
+//! two variants are alike. The arch is half an ellipse, a circle where the loop is long enough.
 
 use glam::DVec3;
 

@@ -1,5 +1,5 @@
-//! Twisted: a strand of plied yarn that stands on one leg and is cut at its end, as in frieze and shag carpets. It wavers on its
-//! way up, the more the higher: yarn that was set under twist curls when it is cut free.
+//! Twisted: a strand of plied yarn that stands on one leg and is cut at its end, as in frieze and shag carpets. It
+//! wavers on its way up, the more the higher: yarn that was set under twist curls when it is cut free.
 
 use std::f64::consts::TAU;
 

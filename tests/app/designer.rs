@@ -1,4 +1,4 @@
-//! The designer driven as a user drives it, through egui_kittest: edits reach the document and the renderer's wish,
+//! The designer driven as a user drives it, through egui_kittest: edits reach the document and the renderer's request,
 //! undo takes them back, files come out as they went in.
 //!
 //! Here: the window as a whole, its files, keys and devices. Its parts have modules of their own.
@@ -17,8 +17,8 @@ mod loops;
 mod panels;
 mod ready_patterns;
 mod rendering;
-mod small_pictures;
 mod states;
+mod thumbnails;
 mod view;
 mod weave;
 
@@ -39,7 +39,7 @@ use renderer_core::image::Picture;
 use renderer_core::render::{Backend, BackendKind, Counters, Progress, RenderError, RenderRequest};
 use towel_designer::backend::BackendChoice;
 use towel_designer::designer::panels::Panels;
-use towel_designer::designer::{App, LiveLight, Setup, Shot};
+use towel_designer::designer::{App, DisplayFrame, LiveLight, Setup};
 use towel_designer::files;
 
 pub(crate) use driving::*;
@@ -62,7 +62,12 @@ fn the_viewport_orbits_pans_zooms_and_keeps_the_document() {
     assert!(orbited.azimuth < first.azimuth && orbited.elevation > first.elevation);
     assert_eq!(orbited.target, first.target);
     assert_eq!(
-        harness.state().viewport().wish().expect("a wish").camera,
+        harness
+            .state()
+            .viewport()
+            .requested()
+            .expect("a request")
+            .camera,
         orbited
     );
 
@@ -157,7 +162,7 @@ fn a_chart_is_opened_and_cleared() {
         design(h).chart.pixels.is_some()
     });
     harness.run_steps(3);
-    assert!(wished(&harness).chart.pixels.is_some());
+    assert!(requested(&harness).chart.pixels.is_some());
     assert_eq!(harness.state().document().undo_name(), Some("open chart"));
     click(&mut harness, "Clear chart");
     assert_eq!(*design(&harness), Design::default());
@@ -284,14 +289,14 @@ fn the_gpu_draws_on_the_windows_own_device() {
     // The first small picture is enough: software Vulkan takes its time for large ones. What the processor has finished
     // before the device had compiled stays the processor's; then another picture is asked for.
     let is_drawn = |h: &Harness<'_, App>| {
-        let shown = h.state().viewport().shown();
-        assert_eq!(shown.error, None);
-        matches!(shown.image, Some(Shot::Texture(_)))
+        let state = h.state().viewport().state();
+        assert_eq!(state.error, None);
+        matches!(state.picture.frame, Some(DisplayFrame::Texture(_)))
     };
     let start = Instant::now();
     for warps in 13.. {
         wait(&mut harness, "a picture", |h| {
-            is_drawn(h) || (h.state().viewport().shown().progress.done)
+            is_drawn(h) || (h.state().viewport().state().picture.progress.done)
         });
         if is_drawn(&harness) {
             break;
@@ -393,7 +398,7 @@ fn shortcuts_open_help_export_and_dialogs() {
 fn backend_and_light_are_switched_in_the_status_bar() {
     let mut harness = designer(None);
     wait(&mut harness, "a device", |h| {
-        h.state().viewport().shown().device.is_some()
+        h.state().viewport().state().device.is_some()
     });
     harness.run_steps(2);
     click(&mut harness, "Backend");
@@ -401,13 +406,13 @@ fn backend_and_light_are_switched_in_the_status_bar() {
         .get_by_role_and_label(Role::RadioButton, "cpu")
         .click();
     harness.run_steps(3);
-    let wish = harness.state().viewport().wish().expect("a wish");
-    assert_eq!(wish.choice, BackendChoice::Cpu);
-    assert_eq!(wish.light, LiveLight::Fast);
+    let requested = harness.state().viewport().requested().expect("a request");
+    assert_eq!(requested.choice, BackendChoice::Cpu);
+    assert_eq!(requested.light, LiveLight::Fast);
     click(&mut harness, "Light in the viewport");
     click(&mut harness, "true light");
-    let wish = harness.state().viewport().wish().unwrap();
-    assert_eq!(wish.light, LiveLight::True);
+    let requested = harness.state().viewport().requested().unwrap();
+    assert_eq!(requested.light, LiveLight::True);
 }
 
 #[test]

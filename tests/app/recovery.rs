@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
-use towel_designer::files::LeftBehind;
+use towel_designer::files::RecoveryFile;
 
 use crate::support::display::{Display, Program, wait};
 
@@ -46,11 +46,11 @@ fn a_killed_program_leaves_its_design_to_the_next() {
     });
     wait("the unsaved design", || (kept(&state) == 1).then_some(()));
     // While it lives, nobody else is offered it.
-    assert!(LeftBehind::find(&state).is_none());
+    assert!(RecoveryFile::find(&state).is_none());
     program.process.0.kill().expect("killed");
     program.process.0.wait().expect("ended");
     drop(program);
-    assert!(LeftBehind::find(&state).is_some());
+    assert!(RecoveryFile::find(&state).is_some());
 
     let program = start(&["--backend", "cpu"], "untitled - Towel Designer");
     wait("the recovered design", || {

@@ -1,9 +1,10 @@
-//! Measures how long the viewport has nothing to show of an edit: the render thread as the window drives it, with nobody
-//! looking but a stop watch.
+//! Measures how long the viewport has nothing to show of an edit: the render thread as the window drives it, with
+//! nobody looking but a stop watch.
 //!
-//! Every edit begins when nothing runs, as when a designer looks at the cloth and then changes something. So that the whole
-//! picture of the edit before needs not be waited for, which may take a minute, the window is made small between two edits
-//! until its picture is done: all that an edit can build on, the last scene and the cost of a sample, is there then.
+//! Every edit begins when nothing runs, as when a designer looks at the cloth and then changes something. So that the
+//! whole picture of the edit before needs not be waited for, which may take a minute, the window is made small between
+//! two edits until its picture is done: all that an edit can build on, the last scene and the cost of a sample, is
+//! there then.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -14,9 +15,9 @@ use renderer_core::design::{CameraDesign, Design};
 use renderer_core::image::Display;
 use renderer_core::render::{Backend, Camera};
 
-use super::render_thread::{Activity, RenderThread};
-use super::renderer::for_window;
-use super::{LiveLight, MakeBackend, Shot, Shown, Wish, workers};
+use super::render_thread::renderer::for_window;
+use super::render_thread::{RenderThread, Stage, workers};
+use super::{DisplayFrame, LiveLight, MakeBackend, ViewRequest, ViewState};
 use crate::backend::BackendChoice;
 use crate::clock::{Spent, timed};
 
@@ -33,20 +34,20 @@ const PATIENCE: Duration = Duration::from_secs(300);
 /// The first picture of an edit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FirstPicture {
-    /// From the wish to the picture.
+    /// From the request to the picture.
     pub spent: Spent,
     /// Its width and height, pixels.
     pub size: [u32; 2],
 }
 
-/// The render thread and what was wished last.
-pub struct Bystander {
+/// The render thread and what was requested last.
+pub struct LatencyProbe {
     thread: RenderThread,
-    /// What is wished, at full size.
-    wish: Wish,
+    /// What is requested, at full size.
+    view: ViewRequest,
 }
 
-impl Bystander {
+impl LatencyProbe {
     /// Shows a design by its first camera, one sample a pixel, in a picture of so many pixels.
     ///
     /// # Errors
@@ -60,7 +61,7 @@ impl Bystander {
         let mut design = design.clone();
         (design.quality.samples, design.quality.error) = (1, 0.0);
         let camera = design.view.cameras.first().cloned();
-        let wish = Wish {
+        let view = ViewRequest {
             camera: camera.ok_or_else(|| anyhow!("the preset has no camera"))?,
             size,
             display: Display::from(&design.view),
@@ -70,27 +71,27 @@ impl Bystander {
             light: LiveLight::default(),
         };
         let thread = RenderThread::new(for_window(make, None), egui::Context::default());
-        Ok(Self { thread, wish })
+        Ok(Self { thread, view })
     }
 
-    /// What is wished.
+    /// What is requested.
     pub fn design(&self) -> &Design {
-        &self.wish.design
+        &self.view.design
     }
 
-    /// Waits until nothing runs, and what is wished has been drawn small; false if time is up before.
+    /// Waits until nothing runs, and what is requested has been drawn small; false if time is up before.
     ///
     /// # Errors
     /// When there is no such picture.
     pub fn rest(&mut self, deadline: Instant) -> anyhow::Result<bool> {
-        let size = self.wish.size.map(|side| side.div_ceil(LARGER));
-        let small = Wish {
+        let size = self.view.size.map(|side| side.div_ceil(LARGER));
+        let small = ViewRequest {
             size,
-            ..self.wish.clone()
+            ..self.view.clone()
         };
         self.thread.send(small, false);
-        let is_drawn = |shown: &Shown| {
-            shown.activity == Activity::Idle && shown.progress.done && size_of(shown) == size
+        let is_drawn = |state: &ViewState| {
+            state.stage == Stage::Idle && state.picture.progress.done && size_of(state) == size
         };
         Ok(self.wait(deadline, is_drawn)?.is_some())
     }
@@ -104,9 +105,9 @@ impl Bystander {
         deadline: Instant,
         change: impl FnOnce(&mut Design),
     ) -> anyhow::Result<Option<FirstPicture>> {
-        let mut design = Design::clone(&self.wish.design);
+        let mut design = Design::clone(&self.view.design);
         change(&mut design);
-        self.wish.design = Arc::new(design);
+        self.view.design = Arc::new(design);
         self.first(deadline)
     }
 
@@ -119,36 +120,36 @@ impl Bystander {
         deadline: Instant,
         change: impl FnOnce(&mut CameraDesign),
     ) -> anyhow::Result<Option<FirstPicture>> {
-        change(&mut self.wish.camera);
+        change(&mut self.view.camera);
         self.first(deadline)
     }
 
     fn first(&mut self, deadline: Instant) -> anyhow::Result<Option<FirstPicture>> {
-        let before = self.thread.shown().version;
+        let before = self.thread.state().picture.version;
         let mut spent = Spent::zero();
-        let shown = timed(&mut spent, || {
-            self.thread.send(self.wish.clone(), false);
-            self.wait(deadline, |shown| shown.version > before)
+        let state = timed(&mut spent, || {
+            self.thread.send(self.view.clone(), false);
+            self.wait(deadline, |state| state.picture.version > before)
         })?;
-        Ok(shown.map(|shown| FirstPicture {
+        Ok(state.map(|state| FirstPicture {
             spent,
-            size: size_of(&shown),
+            size: size_of(&state),
         }))
     }
 
     fn wait(
         &self,
         deadline: Instant,
-        is_there: impl Fn(&Shown) -> bool,
-    ) -> anyhow::Result<Option<Shown>> {
+        is_there: impl Fn(&ViewState) -> bool,
+    ) -> anyhow::Result<Option<ViewState>> {
         let start = Instant::now();
         loop {
-            let shown = self.thread.shown();
-            if let Some(error) = shown.error {
+            let state = self.thread.state();
+            if let Some(error) = state.error {
                 return Err(anyhow!(error));
             }
-            if is_there(&shown) {
-                return Ok(Some(shown));
+            if is_there(&state) {
+                return Ok(Some(state));
             }
             if Instant::now() >= deadline || start.elapsed() > PATIENCE {
                 return Ok(None);
@@ -157,8 +158,8 @@ impl Bystander {
         }
     }
 
-    /// One sample of every pixel of the picture wished, by a backend of its own on the threads that draw for the window.
-    /// `None` if time is up before.
+    /// One sample of every pixel of the picture requested, by a backend of its own on the threads that draw for the
+    /// window. `None` if time is up before.
     ///
     /// # Errors
     /// When the backend fails or nothing was shown yet.
@@ -168,13 +169,13 @@ impl Bystander {
         seed: u32,
         deadline: Instant,
     ) -> anyhow::Result<Option<Spent>> {
-        let cloth = self.thread.shown().cloth;
-        let size = self.wish.size;
-        let mut settings = self.wish.light.settings(&self.wish.design);
+        let cloth = self.thread.state().scene.cloth;
+        let size = self.view.size;
+        let mut settings = self.view.light.settings(&self.view.design);
         settings.seed = seed;
         let cloth = cloth.ok_or_else(|| anyhow!("nothing was shown"))?;
-        let camera = Camera::from_design(&self.wish.camera);
-        let sight = cloth.sight(&self.wish.design, &camera, size);
+        let camera = Camera::from_design(&self.view.camera);
+        let sight = cloth.sight(&self.view.design, &camera, size);
         let request = sight.request(size, settings);
         workers::with_all(|| backend.begin(&request))?;
         let never = AtomicBool::new(false);
@@ -192,10 +193,10 @@ impl Bystander {
 }
 
 /// Width and height of the picture shown, pixels.
-fn size_of(shown: &Shown) -> [u32; 2] {
-    match &shown.image {
-        Some(Shot::Pixels(image)) => image.size.map(|side| side as u32),
-        Some(Shot::Texture(texture)) => [texture.width(), texture.height()],
+fn size_of(state: &ViewState) -> [u32; 2] {
+    match &state.picture.frame {
+        Some(DisplayFrame::Pixels(image)) => image.size.map(|side| side as u32),
+        Some(DisplayFrame::Texture(texture)) => [texture.width(), texture.height()],
         None => [0, 0],
     }
 }

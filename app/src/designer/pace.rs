@@ -1,18 +1,19 @@
-//! Measures how smoothly the window goes while it renders: the times between its frames, against those of the same window
-//! with nothing to render.
+//! Measures how smoothly the window goes while it renders: the times between its frames, against those of the same
+//! window with nothing to render.
 //!
 //! The designer itself runs, in a real window that asks for one frame after the other. Frames are timed in four phases:
-//! the picture is done and nothing runs; the picture is being rendered; the design changes three times a second, so that
-//! scenes are made and pictures begun all the time; a pattern of 64 × 64 stitches is painted, a cell in every frame.
+//! the picture is done and nothing runs; the picture is being rendered; the design changes three times a second, so
+//! that scenes are made and pictures begun all the time; a pattern of 64 × 64 stitches is painted, a cell in every
+//! frame.
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use egui::{Context, Ui, ViewportCommand};
+use egui::{Context, Ui};
 use renderer_core::design::Pattern;
 
-use super::render_thread::Activity;
+use super::render_thread::Stage;
 use super::{App, Setup, in_a_window};
 use crate::backend::{self, BackendChoice};
 
@@ -137,7 +138,7 @@ impl eframe::App for Measured {
             self.seconds.push((now - last).as_secs_f64());
         }
         self.app.ui(ui, frame);
-        if self.app.is_quitting {
+        if self.app.is_quitting() {
             return;
         }
         match self.next() {
@@ -154,37 +155,35 @@ impl eframe::App for Measured {
 impl Measured {
     /// Goes on to the next phase when it is time; true at the end.
     fn next(&mut self) -> Result<bool, String> {
-        let shown = self.app.viewport.shown();
-        if let Some(error) = &shown.error {
+        let state = self.app.viewport().state();
+        if let Some(error) = &state.error {
             return Err(error.clone());
         }
+        let is_done = state.stage == Stage::Idle && state.picture.progress.done;
+        let is_whole = is_done && !state.picture.is_reduced;
         let is_over = self.since.elapsed() > SETTLING + self.time;
-        let quality = &mut self.app.document.design.quality;
+        let is_open = self.app.document().path().is_some();
+        let is_loading = self.app.is_loading();
+        let design = &mut self.app.document_mut().design;
         match self.phase {
             Phase::Opening => {
-                (quality.samples, quality.error) = (1, 0.0);
-                let is_drawn = self.app.document.path().is_some()
-                    && shown.activity == Activity::Idle
-                    && shown.progress.done
-                    && !shown.is_reduced;
-                if is_drawn {
+                (design.quality.samples, design.quality.error) = (1, 0.0);
+                if is_open && is_whole {
                     self.enter(Phase::Idle);
-                } else if !self.app.filing.is_loading() && self.app.document.path().is_none() {
-                    return Err(
-                        "the preset cannot be opened; towel-designer check tells why".into(),
-                    );
+                } else if !is_loading && !is_open {
+                    return Err("the preset cannot be opened; towel-designer check says why".into());
                 } else if self.since.elapsed() > PATIENCE {
                     return Err(format!("no picture within {} s", PATIENCE.as_secs()));
                 }
             }
             Phase::Idle if is_over => {
                 // The same picture goes on.
-                quality.samples = 1 << 20;
+                design.quality.samples = 1 << 20;
                 self.enter(Phase::Rendering);
             }
             Phase::Rendering if is_over => self.enter(Phase::Editing),
             Phase::Editing if is_over => {
-                let pattern = &mut self.app.document.design.weave.pattern;
+                let pattern = &mut design.weave.pattern;
                 let repeat = |col, row| pattern.at(col as i64, row as i64);
                 *pattern = Pattern::from_fn(PAINTED_SIDE, PAINTED_SIDE, repeat);
                 self.enter(Phase::Painting);
@@ -194,7 +193,7 @@ impl Measured {
                 return Ok(true);
             }
             Phase::Painting => {
-                let pattern = &mut self.app.document.design.weave.pattern;
+                let pattern = &mut design.weave.pattern;
                 let (col, row) = (self.painted % PAINTED_SIDE, self.painted / PAINTED_SIDE);
                 let old = pattern.at(col as i64, row as i64);
                 pattern.set(col, row, if old == 7 { 0 } else { 7 });
@@ -202,7 +201,7 @@ impl Measured {
             }
             Phase::Editing if self.last_edit.elapsed() > EDITS => {
                 self.last_edit = Instant::now();
-                let turbulence = &mut self.app.document.design.turbulence;
+                let turbulence = &mut design.turbulence;
                 turbulence.seed = turbulence.seed.wrapping_add(1);
             }
             Phase::Idle | Phase::Rendering | Phase::Editing => {}
@@ -222,21 +221,20 @@ impl Measured {
             return;
         }
         seconds.sort_by(f64::total_cmp);
-        let shown = self.app.viewport.shown();
+        let state = self.app.viewport().state();
         self.pace.phases.push(Frames {
             phase: self.phase,
             seconds,
-            samples: shown.progress.samples,
+            samples: state.picture.progress.samples,
         });
-        self.pace.size = self.app.viewport.size();
-        if let Some((kind, device)) = &shown.device {
-            self.pace.device = format!("{}: {device}", kind.name());
+        self.pace.size = self.app.viewport().size();
+        if let Some(device) = &state.device {
+            self.pace.device = format!("{}: {}", device.kind.name(), device.name);
         }
     }
 
     fn end(&mut self, ctx: &Context, result: Result<Pace, String>) {
         *self.result.lock().unwrap_or_else(PoisonError::into_inner) = result;
-        self.app.is_quitting = true;
-        ctx.send_viewport_cmd(ViewportCommand::Close);
+        self.app.quit(ctx);
     }
 }

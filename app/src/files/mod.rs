@@ -43,7 +43,7 @@ pub use preset::{
 };
 pub use shipped::Shipped;
 pub use stamp::Stamp;
-pub use unsaved::{Keep, LeftBehind, Unsaved};
+pub use unsaved::{AutosaveFile, RecoveryFile, Unsaved};
 pub use write::{Draft, check_writable, write_atomically, write_atomically_with, write_error};
 
 /// Largest preset file, bytes; the largest stitch pattern takes less than a tenth of it.

@@ -55,13 +55,13 @@ struct About {
 
 /// The place where a window keeps its unsaved design.
 #[derive(Debug)]
-pub struct Keep {
+pub struct AutosaveFile {
     file: PathBuf,
     lock_file: PathBuf,
     _lock: File,
 }
 
-impl Keep {
+impl AutosaveFile {
     /// A place of its own in `folder`, which is made if need be.
     ///
     /// # Errors
@@ -107,7 +107,7 @@ impl Keep {
     }
 }
 
-impl Drop for Keep {
+impl Drop for AutosaveFile {
     fn drop(&mut self) {
         if !self.file.exists() {
             let _ = fs::remove_file(&self.lock_file);
@@ -117,11 +117,11 @@ impl Drop for Keep {
 
 /// A design that a program which has ended left behind. While this lives, no other window is offered it.
 #[derive(Debug)]
-pub struct LeftBehind {
-    keep: Keep,
+pub struct RecoveryFile {
+    keep: AutosaveFile,
 }
 
-impl LeftBehind {
+impl RecoveryFile {
     /// The latest of `folder`.
     pub fn find(folder: &Path) -> Option<Self> {
         let entries = fs::read_dir(folder).ok()?.flatten();
@@ -147,7 +147,7 @@ impl LeftBehind {
             }
             let lock_file = file.with_extension(LOCK_ENDING);
             let lock = lock(&lock_file)?;
-            let keep = Keep {
+            let keep = AutosaveFile {
                 file,
                 lock_file,
                 _lock: lock,

@@ -17,7 +17,7 @@ use towel_designer::files;
 
 use super::{
     Dropped, choose, click, design, designer, designer_of_size, first_button, in_frames,
-    open_panel, type_number, type_path, wait, wished,
+    open_panel, requested, type_number, type_path, wait,
 };
 
 const RED: [u8; 4] = [200, 30, 30, 255];
@@ -131,7 +131,7 @@ fn painting_is_one_step_a_stroke_and_makes_the_chart_the_designs_own() {
     let mut expected = two_yarns();
     expected.fill_row(1, 0..4, CREAM);
     assert_eq!(pixels(&harness), expected);
-    assert_eq!(wished(&harness).chart.pixels, Some(expected));
+    assert_eq!(requested(&harness).chart.pixels, Some(expected));
     assert_eq!(design(&harness).chart.image, None);
     assert_eq!(undo_name(&harness), "painted chart");
     undo(&mut harness);
@@ -434,7 +434,7 @@ fn a_photo_is_reduced_previewed_and_applied() {
         all.collect::<std::collections::HashSet<_>>().len()
     };
     wait(&mut harness, "the preview", |h| {
-        wished(h)
+        requested(h)
             .chart
             .pixels
             .as_ref()
@@ -443,11 +443,11 @@ fn a_photo_is_reduced_previewed_and_applied() {
     assert_eq!(*design(&harness), imported);
     assert_eq!(undo_name(&harness), "open chart");
     click(&mut harness, "Cancel the reduction");
-    assert_eq!(*wished(&harness), imported);
+    assert_eq!(*requested(&harness), imported);
 
     click(&mut harness, "Reduce to yarns…");
     wait(&mut harness, "the preview", |h| {
-        wished(h)
+        requested(h)
             .chart
             .pixels
             .as_ref()
@@ -489,7 +489,7 @@ fn a_yarn_takes_another_colour_and_two_become_one() {
     harness.run_steps(3);
     assert_eq!(pixels(&harness), replace_yarn(&image, RED, NAVY));
     assert_eq!(undo_name(&harness), "yarn colour");
-    assert_eq!(wished(&harness).chart.pixels, Some(pixels(&harness)));
+    assert_eq!(requested(&harness).chart.pixels, Some(pixels(&harness)));
     undo(&mut harness);
     assert_eq!(pixels(&harness), image);
 
@@ -530,11 +530,11 @@ fn a_chart_is_placed_once_and_moved() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = with_chart(&two_yarns(), folder.path(), vec2(1280.0, 1400.0));
     choose(&mut harness, "Fit", Fit::Place.label());
-    assert_eq!(wished(&harness).chart.fit, Fit::Place);
+    assert_eq!(requested(&harness).chart.fit, Fit::Place);
     type_number(&mut harness, "Offset x", "-12");
     type_number(&mut harness, "Offset y", "7");
     assert_eq!(undo_name(&harness), "place of the chart");
-    let chart = &wished(&harness).chart;
+    let chart = &requested(&harness).chart;
     assert_eq!((chart.offset_x, chart.offset_y), (-12, 7));
     click(&mut harness, "Centre chart");
     assert_eq!(
@@ -699,9 +699,9 @@ fn large_charts_are_painted_without_copying_them() {
     let painted = pixels(&harness);
     assert_ne!(painted, image);
     // A stroke of 200 × 100 pixels reaches six tiles; one of few colours has 16 kB.
-    let wished = wished(&harness).chart.pixels.clone().unwrap();
+    let requested = requested(&harness).chart.pixels.clone().unwrap();
     assert!(
-        wished.is(&painted),
+        requested.is(&painted),
         "the renderer has the document's own tiles"
     );
     undo(&mut harness);

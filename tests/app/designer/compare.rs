@@ -75,15 +75,15 @@ fn photographed() -> Harness<'static, App> {
     harness.run_steps(1);
     harness.drop_at(at + vec2(5.0, 0.0));
     harness.run_steps(3);
-    let version = harness.state().viewport().shown().version;
+    let version = harness.state().viewport().state().picture.version;
     wait_for_whole_picture(&mut harness, version);
     harness
 }
 
 fn wait_for_whole_picture(harness: &mut Harness<'_, App>, after: u64) {
     wait(harness, "the picture", |h| {
-        let shown = h.state().viewport().shown();
-        shown.version >= after && shown.progress.done && !shown.is_reduced
+        let state = h.state().viewport().state();
+        state.picture.version >= after && state.picture.progress.done && !state.picture.is_reduced
     });
     harness.run_steps(3);
 }
@@ -156,7 +156,7 @@ fn a_snapshot_is_compared_with_and_restored() {
     assert!(harness.state().viewport().is_comparing());
     let (before, seen) = (design(&harness).clone(), camera(&harness));
 
-    let version = harness.state().viewport().shown().version;
+    let version = harness.state().viewport().state().picture.version;
     type_number(&mut harness, "Warps", "100");
     wait_for_whole_picture(&mut harness, version + 1);
     let edited = design(&harness).clone();

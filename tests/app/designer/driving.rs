@@ -113,8 +113,15 @@ pub(crate) fn design<'h>(harness: &'h Harness<'_, App>) -> &'h Design {
 }
 
 /// The design that the renderer was last asked to draw.
-pub(crate) fn wished(harness: &Harness<'_, App>) -> Arc<Design> {
-    Arc::clone(&harness.state().viewport().wish().expect("a wish").design)
+pub(crate) fn requested(harness: &Harness<'_, App>) -> Arc<Design> {
+    Arc::clone(
+        &harness
+            .state()
+            .viewport()
+            .requested()
+            .expect("a request")
+            .design,
+    )
 }
 
 #[track_caller]

@@ -166,7 +166,7 @@ fn a_height_picture_is_opened_undone_and_refused_where_it_belongs() {
 
     type_number(&mut harness, "Height", "7");
     type_number(&mut harness, "Smooth", "9");
-    let form = &wished(&harness).form;
+    let form = &requested(&harness).form;
     assert_eq!((form.height, form.smooth), (7.0, 9.0));
     assert_eq!(form.pixels, opened.pixels);
 

@@ -1,7 +1,7 @@
-//! The panel Light: suns and area lights dragged on a sphere, by pointer and keys, and ready lights.
+//! The panel Light: suns and area lights dragged on a sphere, by pointer and keys, and light presets.
 
 use renderer_core::design::{AreaLight, Sun};
-use towel_designer::designer::panels::ReadyLight;
+use towel_designer::designer::panels::LightPreset;
 
 use super::*;
 
@@ -45,7 +45,7 @@ fn stands_at(sun: &Sun, azimuth: f64, elevation: f64) {
 }
 
 #[test]
-fn a_sun_is_dragged_in_one_step_and_the_wish_follows() {
+fn a_sun_is_dragged_in_one_step_and_the_request_follows() {
     let mut harness = lit();
     let before = design(&harness).clone();
     let Sun {
@@ -57,7 +57,7 @@ fn a_sun_is_dragged_in_one_step_and_the_wish_follows() {
     );
     drag(&mut harness, from, to);
     stands_at(&suns(&harness)[0], -60.0, 25.0);
-    assert_eq!(wished(&harness).light.sun, suns(&harness));
+    assert_eq!(requested(&harness).light.sun, suns(&harness));
     assert_eq!(undo_name(&harness), "moved sun");
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     harness.run_steps(3);
@@ -118,7 +118,7 @@ fn area_lights_are_added_dragged_duplicated_and_removed() {
     click(&mut harness, "Add area light");
     assert_eq!(design(&harness).light.area, vec![AreaLight::default()]);
     assert_eq!(undo_name(&harness), "add area light");
-    assert_eq!(wished(&harness).light, design(&harness).light);
+    assert_eq!(requested(&harness).light, design(&harness).light);
     // Its numbers are shown, and typed.
     type_number(&mut harness, "Width", "250");
     assert_eq!(design(&harness).light.area[0].width, 250.0);
@@ -159,7 +159,7 @@ fn an_area_light_stands_beyond_any_cloth_it_is_added_to() {
     let mut harness = lit();
     let mut large = design(&harness).clone();
     (large.sheet.warps, large.sheet.wefts) = (4000, 2000);
-    for ready in ReadyLight::ALL {
+    for ready in LightPreset::ALL {
         large.light = ready.applied_to(&large);
         assert_eq!(large.faults(), []);
     }
@@ -170,17 +170,17 @@ fn an_area_light_stands_beyond_any_cloth_it_is_added_to() {
 }
 
 #[test]
-fn every_ready_light_is_sound_and_one_step() {
+fn every_light_preset_is_sound_and_one_step() {
     let mut harness = lit();
     let before = design(&harness).clone();
-    for ready in ReadyLight::ALL {
+    for ready in LightPreset::ALL {
         click(&mut harness, ready.name());
         let lit = design(&harness).clone();
         assert!(lit.faults().is_empty(), "{ready:?}: {:?}", lit.faults());
         assert_eq!(lit.light, ready.applied_to(&before));
         assert_ne!(lit.light, before.light);
         assert_eq!(lit.light.background, before.light.background);
-        assert_eq!(wished(&harness).light, lit.light);
+        assert_eq!(requested(&harness).light, lit.light);
         let name = format!("light: {}", ready.name().to_lowercase());
         assert_eq!(undo_name(&harness), name);
         harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);

@@ -236,9 +236,9 @@ fn the_table_takes_the_charts_colours_and_keeps_rows_it_has() {
     assert_eq!(undo_name(&harness), "lengths by the chart's colours");
 
     type_number(&mut harness, "Length of row 1", "1.25");
-    assert_eq!(wished(&harness).length.table[0].length, 1.25);
+    assert_eq!(requested(&harness).length.table[0].length, 1.25);
     choose(&mut harness, "Kind of row 2", "cut tuft");
-    assert!(wished(&harness).length.table[1].kind.is_some());
+    assert!(requested(&harness).length.table[1].kind.is_some());
     click(&mut harness, "More of row 2");
     let as_pile = "as the pile: 10 /mm";
     assert!(harness.query_by_label(as_pile).is_some());
@@ -248,7 +248,7 @@ fn the_table_takes_the_charts_colours_and_keeps_rows_it_has() {
     assert_eq!(super::design(&harness).length, design.length);
 }
 
-/// Designs and sizes of the small pictures that were begun, by a window whose viewport draws nothing.
+/// Designs and sizes of the thumbnails that were begun, by a window whose viewport draws nothing.
 type Begun = Arc<Mutex<Vec<[u32; 2]>>>;
 
 struct Counting(FlatBackend, Begun);
@@ -284,7 +284,7 @@ impl Backend for Counting {
     }
 }
 
-/// A window whose small pictures are counted. The viewport's backend is asked for as `Reference`, theirs as `Cpu`.
+/// A window whose thumbnails are counted. The viewport's backend is asked for as `Reference`, theirs as `Cpu`.
 fn counting() -> (Harness<'static, App>, Begun) {
     let begun = Begun::default();
     let counter = Arc::clone(&begun);
@@ -314,13 +314,13 @@ fn counting() -> (Harness<'static, App>, Begun) {
     (harness, begun)
 }
 
-/// Shows frames until more small pictures than `after` have been begun (where some are to come) and none for a while.
+/// Shows frames until more thumbnails than `after` have been begun (where some are to come) and none for a while.
 /// Tells how many there were.
 #[track_caller]
 fn settled(harness: &mut Harness<'_, App>, begun: &Begun, after: Option<usize>) -> usize {
     let count = || begun.lock().expect("whole").len();
     if let Some(after) = after {
-        wait(harness, "a small picture", |_| count() > after);
+        wait(harness, "a thumbnail", |_| count() > after);
     }
     let (mut last, mut quiet) = (count(), 0);
     let start = Instant::now();
@@ -492,7 +492,7 @@ fn turbulence_follows_is_rolled_and_reset_in_one_step_each() {
         "nothing tells that a large sheet is not shown whole"
     );
     click(&mut harness, "Roll seed");
-    assert_ne!(wished(&harness).turbulence.seed, design.turbulence.seed);
+    assert_ne!(requested(&harness).turbulence.seed, design.turbulence.seed);
     assert_eq!(undo_name(&harness), "turbulence seed");
     click(&mut harness, "Reset turbulence");
     let reset = super::design(&harness);
@@ -531,14 +531,14 @@ fn a_change_of_the_display_alone_does_not_say_that_loops_are_planted() {
     let mut harness = designer_of_size(None, vec2(1280.0, 2400.0));
     open_panel(&mut harness, "View & quality");
     let done = |h: &Harness<'_, App>| {
-        let shown = h.state().viewport().shown();
-        shown.progress.done && !shown.is_reduced && !shown.is_busy()
+        let state = h.state().viewport().state();
+        state.picture.progress.done && !state.picture.is_reduced && !state.is_busy()
     };
     wait(&mut harness, "the picture", done);
-    let version = harness.state().viewport().shown().version;
+    let version = harness.state().viewport().state().picture.version;
     type_number(&mut harness, "Exposure", "1");
     wait(&mut harness, "the brighter picture", |h| {
-        h.state().viewport().shown().version > version
+        h.state().viewport().state().picture.version > version
     });
     wait(&mut harness, "rest", done);
 }

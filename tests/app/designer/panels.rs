@@ -17,7 +17,7 @@ fn painting_a_cell_changes_the_picture_and_undo_takes_it_back() {
 
     paint_cell(&mut harness, 1, 0);
     assert_eq!(design(&harness).weave.pattern.at(1, 0), 7);
-    assert_eq!(wished(&harness).weave.pattern.at(1, 0), 7);
+    assert_eq!(requested(&harness).weave.pattern.at(1, 0), 7);
     let document = harness.state().document();
     assert_eq!(document.undo_name(), Some("painted stitches"));
     assert!(document.is_unsaved());
@@ -25,13 +25,13 @@ fn painting_a_cell_changes_the_picture_and_undo_takes_it_back() {
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     harness.run_steps(3);
     assert_eq!(*design(&harness), before);
-    assert_eq!(*wished(&harness), before);
+    assert_eq!(*requested(&harness), before);
     assert!(!harness.state().document().is_unsaved());
 
     harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     harness.run_steps(3);
     assert_eq!(design(&harness).weave.pattern.at(1, 0), 7);
-    assert_eq!(wished(&harness).weave.pattern.at(1, 0), 7);
+    assert_eq!(requested(&harness).weave.pattern.at(1, 0), 7);
 }
 
 #[test]
@@ -107,11 +107,11 @@ fn a_typed_number_is_one_step() {
     let before = design(&harness).clone();
     type_number(&mut harness, "Warps", "77");
     assert_eq!(design(&harness).sheet.warps, 77);
-    assert_eq!(wished(&harness).sheet.warps, 77);
+    assert_eq!(requested(&harness).sheet.warps, 77);
     assert_eq!(harness.state().document().undo_name(), Some("sheet warps"));
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     harness.run_steps(3);
-    assert_eq!(*wished(&harness), before);
+    assert_eq!(*requested(&harness), before);
     assert_eq!(harness.state().document().undo_name(), None);
 }
 
@@ -132,7 +132,7 @@ fn a_dragged_slider_is_one_step_and_a_double_click_resets() {
     harness.run_steps(3);
     let dragged = design(&harness).sheet.warps_per_cm;
     assert!(dragged > default + 1.0, "{dragged} after {default}");
-    assert_eq!(wished(&harness).sheet.warps_per_cm, dragged);
+    assert_eq!(requested(&harness).sheet.warps_per_cm, dragged);
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     harness.run_steps(3);
     assert_eq!(
@@ -282,7 +282,7 @@ fn each_length_map_has_its_controls() {
 
     choose(&mut harness, "Lengths", LengthMap::Lut.label());
     assert_eq!(design(&harness).length.table.len(), 1);
-    assert_eq!(wished(&harness).length.map, LengthMap::Lut);
+    assert_eq!(requested(&harness).length.map, LengthMap::Lut);
     click(&mut harness, "Add row");
     assert_eq!(design(&harness).length.table.len(), 2);
     click(&mut harness, "Remove row 1");
@@ -314,7 +314,7 @@ fn the_nap_is_combed_on_its_picture() {
         direction_at(&harness, 60, 10)[1] < -0.9,
         "elsewhere as before"
     );
-    assert_eq!(wished(&harness).nap, design(&harness).nap);
+    assert_eq!(requested(&harness).nap, design(&harness).nap);
     assert_eq!(harness.state().document().undo_name(), Some("combed pile"));
     click(&mut harness, "Vacuum stripes");
     harness.run_steps(3);
@@ -351,7 +351,7 @@ fn rows_of_lengths_have_the_parameters_of_the_piles_phase() {
     assert_eq!(own(&mut harness, "Own specular").specular, Some(0.1));
     assert!(harness.query_by_label("Own transmission").is_none());
     type_number(&mut harness, "Own exponent", "9");
-    assert_eq!(wished(&harness).length.table[0].exponent, Some(9.0));
+    assert_eq!(requested(&harness).length.table[0].exponent, Some(9.0));
     assert_eq!(own(&mut harness, "Own exponent").exponent, None);
 }
 
@@ -368,7 +368,7 @@ fn a_fault_is_shown_at_its_panel_and_neither_drawn_nor_saved() {
     choose(&mut harness, "Lengths", LengthMap::Gray.label());
     type_number(&mut harness, "Shortest", "9");
     assert_eq!(design(&harness).length.min, 9.0);
-    assert_eq!(wished(&harness).length.min, Design::default().length.min);
+    assert_eq!(requested(&harness).length.min, Design::default().length.min);
     // At the panel and over the picture.
     let told = harness.query_all_by_label_contains("length.min is 9, allowed is at most");
     assert_eq!(told.count(), 2);
@@ -383,7 +383,7 @@ fn a_fault_is_shown_at_its_panel_and_neither_drawn_nor_saved() {
     );
 
     type_number(&mut harness, "Longest", "9.5");
-    assert_eq!(wished(&harness).length.min, 9.0, "mended, it is drawn");
+    assert_eq!(requested(&harness).length.min, 9.0, "mended, it is drawn");
 }
 
 #[test]

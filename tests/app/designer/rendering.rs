@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use renderer_core::render::MAX_SIDE;
 use renderer_core::sampling::{hash_with, unit_float};
 use renderer_core::scene::{Cancel, CompileError, Compiler};
-use towel_designer::designer::{Activity, MakeBackend, noise_left, softened};
+use towel_designer::designer::{MakeBackend, Seen, Stage, noise_left, softened};
 
 use super::*;
 
@@ -205,8 +205,8 @@ fn scripted(script: &Arc<Script>) -> Harness<'static, App> {
 }
 
 fn has_whole_picture(harness: &Harness<'_, App>) -> bool {
-    let shown = harness.state().viewport().shown();
-    shown.image.is_some() && !shown.is_reduced && shown.progress.done
+    let state = harness.state().viewport().state();
+    state.picture.frame.is_some() && !state.picture.is_reduced && state.picture.progress.done
 }
 
 fn is_said(harness: &Harness<'_, App>, text: &str) -> bool {
@@ -222,13 +222,13 @@ fn a_lost_gpu_is_started_again_once_then_the_processor_takes_over() {
     harness.run_steps(2);
     assert_eq!(script.made(), [2, 0], "the GPU is started again");
     assert!(is_said(&harness, "the driver was reset"));
-    assert_eq!(harness.state().viewport().shown().instead, None);
+    assert_eq!(harness.state().viewport().state().instead, None);
 
     let before = design(&harness).clone();
     script.acts.lock().unwrap().push_back(Act::Lose);
     type_number(&mut harness, "Warps", "60");
     wait(&mut harness, "the processor's picture", |h| {
-        h.state().viewport().shown().instead.is_some() && has_whole_picture(h)
+        h.state().viewport().state().instead.is_some() && has_whole_picture(h)
     });
     harness.run_steps(2);
     assert_eq!(script.made(), [2, 1]);
@@ -246,7 +246,7 @@ fn a_lost_gpu_is_started_again_once_then_the_processor_takes_over() {
     let gpu = harness.get_by_role_and_label(Role::RadioButton, "gpu");
     gpu.click();
     wait(&mut harness, "the GPU's picture", |h| {
-        h.state().viewport().shown().instead.is_none() && has_whole_picture(h)
+        h.state().viewport().state().instead.is_none() && has_whole_picture(h)
     });
     assert_eq!(script.made(), [3, 1]);
     harness.run_steps(2);
@@ -259,8 +259,8 @@ fn the_processor_draws_while_the_gpu_compiles() {
     script.compiles.store(true, Ordering::SeqCst);
     let mut harness = scripted(&script);
     let is_seen = |harness: &Harness<'_, App>| {
-        let shown = harness.state().viewport().shown();
-        shown.image.is_some() && !shown.is_unseen
+        let state = harness.state().viewport().state();
+        state.picture.frame.is_some() && state.stage != Stage::Rendering(Seen::Nothing)
     };
     wait(&mut harness, "the processor's picture", is_seen);
     let drew = || [0, 1].map(|which| script.drew[which].load(Ordering::SeqCst));
@@ -268,9 +268,9 @@ fn the_processor_draws_while_the_gpu_compiles() {
     assert_eq!(shown_by(&harness), BY_PROCESSOR);
     // An edit does not wait either.
     type_number(&mut harness, "Warps", "60");
-    let version = harness.state().viewport().shown().version;
+    let version = harness.state().viewport().state().picture.version;
     wait(&mut harness, "the edited picture", |h| {
-        h.state().viewport().shown().version > version && is_seen(h)
+        h.state().viewport().state().picture.version > version && is_seen(h)
     });
     assert_eq!(drew()[0], 0);
     script.compiles.store(false, Ordering::SeqCst);
@@ -304,22 +304,24 @@ fn a_picture_that_the_processor_finished_first_is_not_called_the_gpus() {
 
 /// Whether the newest picture has its full size and so many samples, or more.
 fn has_samples(harness: &Harness<'_, App>, samples: u32) -> bool {
-    let shown = harness.state().viewport().shown();
-    shown.image.is_some() && !shown.is_reduced && shown.progress.samples >= samples
+    let state = harness.state().viewport().state();
+    state.picture.frame.is_some()
+        && !state.picture.is_reduced
+        && state.picture.progress.samples >= samples
 }
 
 /// Who draws what is shown, and whether that is only a stand-in.
 fn shown_by(harness: &Harness<'_, App>) -> (Option<BackendKind>, bool) {
-    let shown = harness.state().viewport().shown();
+    let state = harness.state().viewport().state();
     (
-        shown.device.as_ref().map(|(kind, _)| *kind),
-        shown.stands_in,
+        state.device.as_ref().map(|device| device.kind),
+        state.device.as_ref().is_some_and(|device| device.stands_in),
     )
 }
 
 /// Samples of the pictures of full size that the window was given, one after the other, and whether by the processor.
 fn taken(harness: &Harness<'_, App>, script: &Script) -> Vec<(u32, bool)> {
-    let whole = harness.state().viewport().shown().size;
+    let whole = harness.state().viewport().state().size;
     let taken = script.taken.lock().unwrap();
     let whole = taken.iter().filter(|(_, size, _)| *size == whole);
     whole.map(|&(by, _, samples)| (samples, by)).collect()
@@ -422,7 +424,7 @@ fn without_an_adapter_the_processor_renders_and_says_so() {
     harness.run_steps(2);
     assert_eq!(script.made(), [1, 1]);
     assert!(is_said(&harness, "no GPU adapter: none was found"));
-    assert_eq!(harness.state().viewport().shown().error, None);
+    assert_eq!(harness.state().viewport().state().error, None);
 }
 
 #[test]
@@ -437,19 +439,19 @@ fn without_memory_pictures_get_smaller_then_the_processor_takes_over() {
     );
     wait(&mut harness, "the picture", has_whole_picture);
     harness.run_steps(2);
-    let shown = harness.state().viewport().shown();
-    let [drawn, drawn_height] = shown.size;
+    let state = harness.state().viewport().state();
+    let [drawn, drawn_height] = state.size;
     assert!(drawn <= 600, "{drawn}");
     // Both sides rounded to whole pixels: half a pixel of some hundred.
     let stretch = f64::from(drawn * height) / f64::from(drawn_height * width);
     assert!((stretch - 1.0).abs() < 0.005, "{stretch}");
-    assert_eq!(shown.instead, None);
+    assert_eq!(state.instead, None);
     assert!(is_said(&harness, "enlarged"));
 
     script.memory_side.store(100, Ordering::SeqCst);
     type_number(&mut harness, "Warps", "60");
     wait(&mut harness, "the processor's picture", |h| {
-        h.state().viewport().shown().instead.is_some() && has_whole_picture(h)
+        h.state().viewport().state().instead.is_some() && has_whole_picture(h)
     });
     assert!(script.made()[1] == 1);
     assert!(is_said(&harness, "out of memory"));
@@ -462,9 +464,9 @@ fn a_window_beyond_the_texture_limit_shows_a_smaller_picture_enlarged() {
     let mut harness = scripted(&script);
     wait(&mut harness, "the picture", has_whole_picture);
     harness.run_steps(2);
-    let shown = harness.state().viewport().shown();
-    assert_eq!(shown.size.iter().max(), Some(&512));
-    let Some(Shot::Pixels(image)) = &shown.image else {
+    let state = harness.state().viewport().state();
+    assert_eq!(state.size.iter().max(), Some(&512));
+    let Some(DisplayFrame::Pixels(image)) = &state.picture.frame else {
         panic!("no pixels");
     };
     assert_eq!(image.size.iter().max(), Some(&512));
@@ -477,14 +479,14 @@ fn a_panic_of_a_backend_is_told_and_the_next_edit_draws_again() {
     script.acts.lock().unwrap().push_back(Act::Panic);
     let mut harness = scripted(&script);
     wait(&mut harness, "the error", |h| {
-        h.state().viewport().shown().error.is_some()
+        h.state().viewport().state().error.is_some()
     });
     harness.run_steps(2);
     assert!(is_said(&harness, "index out of bounds"));
     type_number(&mut harness, "Warps", "60");
     wait(&mut harness, "the picture", has_whole_picture);
     harness.run_steps(2);
-    assert_eq!(harness.state().viewport().shown().error, None);
+    assert_eq!(harness.state().viewport().state().error, None);
     assert!(!is_said(&harness, "index out of bounds"));
     assert_eq!(design(&harness).sheet.warps, 60);
 }
@@ -535,10 +537,10 @@ fn nothing_runs_when_nothing_changes() {
     assert!(harness.ctx.text_edit_focused());
     assert_rest(&mut harness, &script, "while a text cursor waits");
 
-    let version = harness.state().viewport().shown().version;
+    let version = harness.state().viewport().state().picture.version;
     type_number(&mut harness, "Wefts", "60");
     wait(&mut harness, "the picture", |h| {
-        h.state().viewport().shown().version > version && has_whole_picture(h)
+        h.state().viewport().state().picture.version > version && has_whole_picture(h)
     });
     assert_rest(&mut harness, &script, "after an edit");
 }
@@ -582,12 +584,12 @@ fn an_edit_gives_up_a_scene_in_the_making() {
         .find(|side| is_caught_in_the_making(&mut harness, *side));
     let side = side.expect("this machine makes 64 million loops within a second");
     let begun_before = script.begun.lock().unwrap().len();
-    let version = harness.state().viewport().shown().version;
+    let version = harness.state().viewport().state().picture.version;
     type_number(&mut harness, "Wefts", "1");
     wait(&mut harness, "the small cloth", |h| {
-        h.state().viewport().shown().version > version && has_whole_picture(h)
+        h.state().viewport().state().picture.version > version && has_whole_picture(h)
     });
-    let loops = harness.state().viewport().shown().counts.planted;
+    let loops = harness.state().viewport().state().scene.counts.planted;
     assert!(loops <= u64::from(2 * side), "{loops}");
     // The scene given up was never drawn, as it would have been if the edit had waited for it.
     let begun = script.begun.lock().unwrap()[begun_before..].to_vec();
@@ -601,7 +603,7 @@ fn is_caught_in_the_making(harness: &mut Harness<'_, App>, side: u32) -> bool {
     type_number(harness, "Warps", &side.to_string());
     type_number(harness, "Wefts", &side.to_string());
     let is_compiling =
-        |h: &Harness<'_, App>| h.state().viewport().shown().activity == Activity::Compiling;
+        |h: &Harness<'_, App>| h.state().viewport().state().stage == Stage::Compiling;
     wait(harness, "a scene in the making", is_compiling);
     // The scene of the first number takes 400 ms at most before it is given up for that of both, which is finished anyway
     // if that takes no longer either.
@@ -620,21 +622,24 @@ fn an_edit_of_many_loops_is_seen_before_all_of_them_are_made() {
     type_number(&mut harness, "Wefts", "700");
     wait(&mut harness, "the large cloth", |h| {
         design(h).sheet.wefts == 700
-            && h.state().viewport().shown().counts.planted > 200_000
+            && h.state().viewport().state().scene.counts.planted > 200_000
             && has_whole_picture(h)
     });
     open_panel(&mut harness, "Pile");
     let edit = |harness: &mut Harness<'_, App>, field: &str, value: &str| {
         script.begun.lock().unwrap().clear();
-        let before = harness.state().viewport().shown().version;
+        let before = harness.state().viewport().state().picture.version;
         type_number(harness, field, value);
         wait(harness, "the edited cloth", |h| {
-            h.state().viewport().shown().version > before && has_whole_picture(h)
+            h.state().viewport().state().picture.version > before && has_whole_picture(h)
         });
         // The panel's picture of one loop is drawn, too.
         let mut begun = script.begun.lock().unwrap().clone();
         begun.retain(|&(_, loops)| loops > 1);
-        (begun, harness.state().viewport().shown().counts.planted)
+        (
+            begun,
+            harness.state().viewport().state().scene.counts.planted,
+        )
     };
     let (begun, all) = edit(&mut harness, "Lean sideways", "30");
     let (_, seen) = begun[0];

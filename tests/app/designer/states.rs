@@ -250,8 +250,8 @@ pub fn show_presets(harness: &mut Harness<'static, App>) {
 #[track_caller]
 pub fn wait_for_picture(harness: &mut Harness<'static, App>) {
     wait(harness, "the picture", |h| {
-        let shown = h.state().viewport().shown();
-        shown.progress.done && !shown.is_busy()
+        let state = h.state().viewport().state();
+        state.picture.progress.done && !state.is_busy()
     });
     harness.run_steps(2);
 }

@@ -57,7 +57,7 @@ fn what_was_seen_whole_stays_whole_when_the_chart_editor_opens() {
     let mut harness = designer(None);
     harness.get_by_label("Toolbar: Front").click();
     wait(&mut harness, "the picture", |h| {
-        h.state().viewport().shown().image.is_some()
+        h.state().viewport().state().picture.frame.is_some()
     });
     harness.run_steps(3);
     let seen_whole = |harness: &Harness<'_, App>| {
@@ -344,7 +344,7 @@ fn designer_with_folders(folder: &Path) -> Harness<'static, App> {
         .build_eframe(|cc| App::new(cc, setup(striped(), Some(folders))));
     harness.run_steps(3);
     wait(&mut harness, "the picture", |h| {
-        h.state().viewport().shown().progress.done
+        h.state().viewport().state().picture.progress.done
     });
     harness.run_steps(3);
     harness
@@ -402,8 +402,8 @@ fn the_cloth_alone_fills_the_window_until_escape() {
     assert!(harness.query_by_label("Toolbar: Save").is_none());
     let alone = picture_rect(&harness);
     assert_eq!(alone.size(), vec2(1280.0, 720.0));
-    let wish = harness.state().viewport().wish().expect("a wish");
-    assert_eq!(wish.size, [1280, 720]);
+    let requested = harness.state().viewport().requested().expect("a request");
+    assert_eq!(requested.size, [1280, 720]);
     harness.key_press(Key::Escape);
     harness.run_steps(4);
     assert!(harness.query_by_label("Toolbar: Save").is_some());
@@ -419,7 +419,7 @@ fn the_cloth_alone_fills_the_window_until_escape() {
 fn what_lies_under_the_pointer_is_read_out() {
     let mut harness = designer(None);
     wait(&mut harness, "the picture", |h| {
-        h.state().viewport().shown().progress.done
+        h.state().viewport().state().picture.progress.done
     });
     click(&mut harness, "Toolbar: Front");
     let rect = picture_rect(&harness);
@@ -454,11 +454,11 @@ fn cloth_without_end_is_made_where_one_looks() {
     let preset = crate::support::scenes::preset_path("endless-carpet");
     let mut harness = designer(Some(preset));
     let excerpt = |h: &Harness<'_, App>| {
-        let cloth = h.state().viewport().shown().cloth.as_ref();
+        let cloth = h.state().viewport().state().scene.cloth.as_ref();
         cloth.and_then(|cloth| cloth.nearest.sheet.excerpt)
     };
     wait(&mut harness, "the picture", |h| {
-        h.state().viewport().shown().progress.done
+        h.state().viewport().state().picture.progress.done
     });
     let here = excerpt(&harness).expect("an excerpt");
     assert!(here.halvings == 0 && here.len() < 200_000, "{here:?}");
@@ -501,15 +501,15 @@ fn cloth_without_end_is_made_where_one_looks() {
 
     // Where the camera leaves what is there, a coarse picture of the rest is shown before all of it is made.
     wait(&mut harness, "the whole picture", |h| {
-        h.state().viewport().shown().progress.done
+        h.state().viewport().state().picture.progress.done
     });
     for _ in 0..3 {
         by(&mut harness, vec2(-300.0, 0.0));
     }
     let was_glimpsed = std::cell::Cell::new(false);
     wait(&mut harness, "the cloth there", |h| {
-        let shown = h.state().viewport().shown();
-        if shown.is_reduced && excerpt(h) == Some(far) {
+        let state = h.state().viewport().state();
+        if state.picture.is_reduced && excerpt(h) == Some(far) {
             was_glimpsed.set(true);
         }
         excerpt(h) != Some(far)
@@ -572,12 +572,12 @@ fn a_lost_window_leaves_its_document_to_the_next() {
         });
     harness.run_steps(3);
     type_number(&mut harness, "Warps", "60");
-    assert!(!harness.state().shelf().is_filled());
+    assert!(!harness.state().handoff().is_filled());
     let device: &wgpu::Device = device.get().expect("a device");
     device.destroy();
     device.poll(wgpu::PollType::Poll).expect("polled");
     harness.step();
-    assert!(harness.state().shelf().is_filled());
+    assert!(harness.state().handoff().is_filled());
     let closes = harness
         .output()
         .viewport_output

@@ -15,7 +15,7 @@ use towel_designer::designer::{App, Icon};
 
 use super::cell_sets::set;
 use super::{
-    cell, click, design, designer, first_button, in_frames, paint_cell, type_number, wished,
+    cell, click, design, designer, first_button, in_frames, paint_cell, requested, type_number,
 };
 
 #[test]
@@ -139,7 +139,7 @@ fn lines_and_rectangles_are_drawn_out_and_are_one_step() {
         harness.get_by_label("6 × 4 cells");
         let_go(&mut harness, [6, 4]);
         assert_eq!(painted(&harness), cells, "{tool}");
-        assert_eq!(wished(&harness).weave, design(&harness).weave);
+        assert_eq!(requested(&harness).weave, design(&harness).weave);
         assert_eq!(undo_name(&harness), Some("painted stitches"));
         undo(&mut harness);
         assert_eq!(*design(&harness), before);
@@ -595,7 +595,7 @@ fn choosing_a_ready_pattern_is_one_step_with_its_name() {
         click(&mut harness, "Ready patterns…");
         click(&mut harness, ready.name);
         assert_eq!(*pattern(&harness), ready.pattern());
-        assert_eq!(wished(&harness).weave.pattern, ready.pattern());
+        assert_eq!(requested(&harness).weave.pattern, ready.pattern());
         let back = ready.back.unwrap_or(Back::Mirror);
         assert_eq!(design(&harness).weave.back, back, "{}", ready.name);
         let name = format!("ready pattern {}", ready.name);

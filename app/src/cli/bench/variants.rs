@@ -18,7 +18,7 @@ use super::drawing::{self, draw};
 use super::summary::seconds;
 use super::{Conditions, Measured};
 use crate::clock::{Spent, cost_is_processor_time};
-use crate::designer::panels::ReadyLight;
+use crate::designer::panels::LightPreset;
 
 /// Pixels along each side of the height picture.
 const HILL: usize = 64;
@@ -67,7 +67,7 @@ pub fn lights(design: &Design) -> Vec<(&'static str, Design)> {
         };
         (name, design)
     };
-    let ready = ReadyLight::ALL.map(|ready| (ready.name(), ready.applied_to(design)));
+    let ready = LightPreset::ALL.map(|ready| (ready.name(), ready.applied_to(design)));
     each_light(design)
         .into_iter()
         .chain(ready)

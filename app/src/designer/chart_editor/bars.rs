@@ -14,9 +14,9 @@ use renderer_core::scene::ChartOnSheet;
 
 use super::canvas::{ZOOM_STEP, colour_at};
 use super::work::put;
+use super::yarn_name::yarn_name;
 use super::{ChartEditor, Tool};
-use crate::designer::panels::yarn_name;
-use crate::designer::style;
+use crate::designer::widgets::style;
 use crate::designer::widgets::{Icon, IconButton, check_box, colour_well};
 
 /// Most yarns that have a swatch to paint with.
@@ -96,7 +96,8 @@ pub fn show(
             resize_form(ui, editor, &image, sheet);
             let new = ui.button("New");
             if new
-                .on_hover_text("Starts an empty chart: a pixel for every crossing of the cloth, in the colour chosen below.")
+                .on_hover_text("Starts an empty chart: a pixel for every crossing of the cloth, in the colour chosen \
+                    below.")
                 .clicked()
             {
                 start_blank(chart, sheet, editor.colour);

@@ -10,9 +10,9 @@ use renderer_core::design::{Chart, ChartImage, Fit, Sheet};
 use super::pyramid::{Placement, Pyramid};
 use super::work::put;
 use super::{ChartEditor, Tool, bars};
-use crate::designer::style;
 use crate::designer::widgets::PointerWay;
 use crate::designer::widgets::shapes::{connected, squared, straightened};
+use crate::designer::widgets::style;
 
 /// Nearest and farthest view, points for a pixel.
 const SCALES: std::ops::RangeInclusive<f32> = 0.02..=64.0;
@@ -371,8 +371,8 @@ fn go_on(editor: &mut ChartEditor, chart: &mut Chart, place: [i32; 2], shift: bo
     gesture.last = place;
 }
 
-/// Makes painted pixels the chart's, unless none of them is another than before: a chart that is painted with the colours
-/// it has is still the imported one.
+/// Makes painted pixels the chart's, unless none of them is another than before: a chart that is painted with the
+/// colours it has is still the imported one.
 fn put_if_painted(chart: &mut Chart, mut image: ChartImage) {
     if let Some(now) = &chart.pixels {
         image.share_with(now);

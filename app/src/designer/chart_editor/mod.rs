@@ -1,12 +1,13 @@
 //! The chart editor: beside the viewport, a canvas to paint, cut and turn the chart on, while the cloth follows.
 //!
-//! It edits the chart of the design and nothing else. Painting makes the chart the design's own: it has pixels and no path,
-//! and the file it came from is never written.
+//! It edits the chart of the design and nothing else. Painting makes the chart the design's own: it has pixels and no
+//! path, and the file it came from is never written.
 
 mod bars;
 mod canvas;
 mod pyramid;
 pub mod work;
+pub mod yarn_name;
 
 use egui::{Key, Ui};
 use renderer_core::design::chart_edit::YarnCounts;
@@ -15,7 +16,7 @@ use renderer_core::design::{Chart, ChartImage, Design};
 use canvas::Canvas;
 use work::ChartWork;
 
-use super::widgets::Icon;
+use crate::designer::widgets::Icon;
 
 /// What the primary button and the space bar do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -44,7 +45,8 @@ impl Tool {
             Self::Pencil,
             Icon::Pencil,
             "Chart pencil",
-            "Paints with the brush where the pointer goes (P). Right click, or Alt and click, takes a colour from the chart.",
+            "Paints with the brush where the pointer goes (P). Right click, or Alt and click, takes a colour from the \
+            chart.",
         ),
         (
             Self::Line,
@@ -132,8 +134,8 @@ impl Default for ChartEditor {
 }
 
 impl ChartEditor {
-    /// Shows the editor in all of `ui`. Returns what the history is to call a change, where that cannot be seen from the
-    /// charts before and after.
+    /// Shows the editor in all of `ui`. Returns what the history is to call a change, where that cannot be seen from
+    /// the charts before and after.
     pub fn show(
         &mut self,
         ui: &mut Ui,

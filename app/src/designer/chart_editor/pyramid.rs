@@ -1,8 +1,8 @@
 //! A chart on the screen: only what is seen becomes textures, at about the resolution it is seen with.
 //!
 //! On level n a block of 128 × 128 texels shows 2ⁿ × 2ⁿ tiles of the chart. A block is made when it is first seen, and
-//! where one of its tiles is another than it was, that part is drawn anew. Each frame works for a few milliseconds at most;
-//! until all is there, what was shown before stays.
+//! where one of its tiles is another than it was, that part is drawn anew. Each frame works for a few milliseconds at
+//! most; until all is there, what was shown before stays.
 
 use std::collections::HashMap;
 use std::time::{Duration, Instant};

@@ -7,9 +7,9 @@ use crate::designer::tasks::{Poll, Task};
 
 /// At most one change at work.
 #[derive(Default)]
-pub struct ChartWork(Option<Job>);
+pub struct ChartWork(Option<ChartChange>);
 
-struct Job {
+struct ChartChange {
     name: String,
     of: ChartImage,
     task: Task<Option<ChartImage>>,
@@ -25,7 +25,7 @@ impl ChartWork {
         change: impl FnOnce(&ChartImage) -> Option<ChartImage> + Send + 'static,
     ) {
         let there = image.clone();
-        self.0 = Some(Job {
+        self.0 = Some(ChartChange {
             name: name.into(),
             of: image.clone(),
             task: Task::start(ctx, move || change(&there)),

@@ -7,7 +7,7 @@ use renderer_core::design::{Design, Method, Quality};
 use renderer_core::render::MAX_SIDE;
 
 use crate::backend::BackendChoice;
-use crate::designer::view_bar::{BACKENDS, backend_name};
+use crate::designer::shell::view_bar::{BACKENDS, backend_name};
 use crate::designer::widgets::check_box;
 use crate::picture_file::{BAND_BYTES, Bands};
 
@@ -160,7 +160,8 @@ impl Form {
             count => format!(", made in {count} bands"),
         };
         ui.weak(format!(
-            "{pixels:.1} megapixels, about {memory:.0} MB of memory{pieces}. The picture shows the cloth as the viewport does."
+            "{pixels:.1} megapixels, about {memory:.0} MB of memory{pieces}. The picture shows the cloth as the \
+            viewport does."
         ));
         ui.add_space(6.0);
         let fault = self.in_the_way(design);
@@ -307,8 +308,8 @@ impl Form {
 
     fn stops(&mut self, ui: &mut Ui) {
         ui.label("Stop at").on_hover_text(
-            "Whichever is reached first. A picture made in bands stops at the error band by band, and shares out its time \
-             by rows.",
+            "Whichever is reached first. A picture made in bands stops at the error band by band, and shares out \
+             its time by rows.",
         );
         let field = Quality::FIELDS.samples;
         ui.horizontal(|ui| {

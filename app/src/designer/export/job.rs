@@ -12,13 +12,13 @@ use renderer_core::render::{Camera, ClothMaker, Extent, RenderError, Settings, S
 use renderer_core::scene::{Cancel, CompileError};
 
 use crate::backend::BackendChoice;
-use crate::designer::renderer::MakeBackend;
+use crate::designer::render_thread::renderer::MakeBackend;
 use crate::designer::tasks::Task;
 use crate::files::{self, Carried};
 use crate::picture_file::{self, BAND_BYTES, Failure, Format, Standing, TimeLeft};
 
 /// What to render and where to write it.
-pub(super) struct Order {
+pub(super) struct ExportRequest {
     pub path: PathBuf,
     pub format: Format,
     pub design: Design,
@@ -41,7 +41,7 @@ pub(super) enum Outcome {
 }
 
 /// An export at work.
-pub(super) struct Job {
+pub(super) struct ExportJob {
     pub path: PathBuf,
     pub task: Task<Result<Outcome, String>>,
     progress: Arc<Mutex<(Standing, TimeLeft)>>,
@@ -49,17 +49,17 @@ pub(super) struct Job {
     cancel: Arc<AtomicBool>,
 }
 
-impl Job {
+impl ExportJob {
     /// Starts.
-    pub fn start(order: Arc<Order>, make: MakeBackend, ctx: &Context) -> Self {
+    pub fn start(request: Arc<ExportRequest>, make: MakeBackend, ctx: &Context) -> Self {
         let progress = Arc::<Mutex<(Standing, TimeLeft)>>::default();
         let cancel = Arc::<AtomicBool>::default();
-        let (path, samples) = (order.path.clone(), order.samples);
+        let (path, samples) = (request.path.clone(), request.samples);
         let (there, cancel_there, repaint) =
             (Arc::clone(&progress), Arc::clone(&cancel), ctx.clone());
-        // What comes before the first sample tells nothing of how fast samples come.
+        // What comes before the first sample says nothing of how fast samples come.
         let mut begun = None::<Instant>;
-        let tell = move |standing: &Standing| {
+        let report = move |standing: &Standing| {
             let mut now = there.lock().unwrap_or_else(PoisonError::into_inner);
             now.0 = *standing;
             if !standing.waits_for_device {
@@ -68,7 +68,7 @@ impl Job {
             }
             repaint.request_repaint();
         };
-        let task = Task::start(ctx, move || order.carry_out(&make, &cancel_there, tell));
+        let task = Task::start(ctx, move || request.carry_out(&make, &cancel_there, report));
         Self {
             path,
             task,
@@ -85,19 +85,19 @@ impl Job {
     }
 }
 
-impl Drop for Job {
+impl Drop for ExportJob {
     fn drop(&mut self) {
         // Cancelled, or the window closes: nobody waits for the picture any more.
         self.cancel.store(true, Ordering::Relaxed);
     }
 }
 
-impl Order {
+impl ExportRequest {
     fn carry_out(
         &self,
         make: &MakeBackend,
         cancel: &AtomicBool,
-        tell: impl FnMut(&Standing),
+        report: impl FnMut(&Standing),
     ) -> Result<Outcome, String> {
         let text = |error: &dyn std::fmt::Display| error.to_string();
         // Now rather than after minutes of rendering.
@@ -146,7 +146,7 @@ impl Order {
         };
         let choice = self.choice.for_method(self.design.quality.method);
         let mut backend = make(choice).map_err(|error| advice(&error))?;
-        match picture_file::make(&order, &mut *backend, &self.path, cancel, tell) {
+        match picture_file::make(&order, &mut *backend, &self.path, cancel, report) {
             Ok(_) => Ok(Outcome::Written(warnings)),
             Err(Failure::Cancelled) => Ok(Outcome::Cancelled),
             Err(Failure::Render(error)) => Err(advice(&error)),
@@ -177,7 +177,8 @@ fn advice(error: &RenderError) -> String {
             method.name()
         ),
         RenderError::OutOfMemory(why) => format!(
-            "the GPU has too little memory ({why}); choose the backend cpu in the export window, or make the cloth smaller"
+            "the GPU has too little memory ({why}); choose the backend cpu in the export window, or make the cloth \
+            smaller"
         ),
         RenderError::Device(why) | RenderError::Lost(why) => format!(
             "the GPU stopped ({why}); try again, or choose the backend cpu in the export window"

@@ -11,13 +11,13 @@ use egui::{Align2, Context, ProgressBar, ScrollArea, Ui, Window};
 use renderer_core::design::{CameraDesign, Design};
 use renderer_core::image::{Depth, ExrLayer};
 
-use super::renderer::MakeBackend;
-use super::tasks::Poll;
 use crate::backend::BackendChoice;
+use crate::designer::render_thread::renderer::MakeBackend;
+use crate::designer::tasks::Poll;
 use crate::files::Carried;
 use crate::picture_file::Format;
 use form::{FileType, Form};
-use job::{Job, Order, Outcome};
+use job::{ExportJob, ExportRequest, Outcome};
 
 /// What the window's title and frame take of the height, points.
 const AROUND_FORM: f32 = 76.0;
@@ -26,26 +26,28 @@ const AROUND_FORM: f32 = 76.0;
 pub struct Export {
     /// Whether the window is open.
     pub is_open: bool,
+    make: MakeBackend,
     form: Form,
-    job: Option<Job>,
+    job: Option<ExportJob>,
 }
 
-/// What the window has to tell its owner.
+/// What came of the window.
 #[derive(Debug)]
 pub enum Event {
     /// The user wants to export: ask for a file with this ending.
     AskForFile(&'static str),
-    /// The file is written; sentences tell what it does not take along of the design.
+    /// The file is written; sentences say what it does not take along of the design.
     Written(PathBuf, Vec<String>),
     /// It is not, because.
     Failed(PathBuf, String),
 }
 
 impl Export {
-    /// A closed window.
-    pub fn new(choice: BackendChoice) -> Self {
+    /// A closed window, with `choice` at first; renders with what `make` makes.
+    pub fn new(choice: BackendChoice, make: MakeBackend) -> Self {
         Self {
             is_open: false,
+            make,
             form: Form::new(choice),
             job: None,
         }
@@ -66,10 +68,9 @@ impl Export {
         design: Design,
         carried: Carried,
         camera: &CameraDesign,
-        make: MakeBackend,
         ctx: &Context,
     ) {
-        let order = Order {
+        let request = ExportRequest {
             format: self.format_of(&path),
             path,
             design,
@@ -82,7 +83,11 @@ impl Export {
             transparent: self.form.transparent,
             choice: self.form.choice,
         };
-        self.job = Some(Job::start(Arc::new(order), make, ctx));
+        self.job = Some(ExportJob::start(
+            Arc::new(request),
+            Arc::clone(&self.make),
+            ctx,
+        ));
     }
 
     /// The format that the name of the file asks for, else that of the form.
@@ -99,10 +104,10 @@ impl Export {
 
     /// Shows the window for the design as it is now and looks after the job.
     pub fn show(&mut self, ctx: &Context, design: &Design) -> Option<Event> {
-        if let Some(event) = self.take_outcome() {
+        let mut event = self.take_outcome();
+        if event.is_some() {
             return event;
         }
-        let mut event = None;
         let mut is_open = self.is_open;
         let mut is_cancelled = false;
         let room = ctx.content_rect();
@@ -132,8 +137,8 @@ impl Export {
         event
     }
 
-    /// What came of the job, once it has ended; `Some(None)` if there is nothing to tell.
-    fn take_outcome(&mut self) -> Option<Option<Event>> {
+    /// What came of the job, once it has ended; nothing of one that was cancelled.
+    fn take_outcome(&mut self) -> Option<Event> {
         let result = match self.job.as_ref()?.task.poll() {
             Poll::Pending => return None,
             Poll::Ready(result) => result,
@@ -142,7 +147,7 @@ impl Export {
             }
         };
         let path = self.job.take()?.path.clone();
-        Some(match result {
+        match result {
             Ok(Outcome::Written(warnings)) => {
                 self.is_open = false;
                 Some(Event::Written(path, warnings))
@@ -152,7 +157,7 @@ impl Export {
                 self.is_open = true;
                 Some(Event::Failed(path, error))
             }
-        })
+        }
     }
 
     /// A name for the picture of a document.
@@ -162,7 +167,7 @@ impl Export {
 }
 
 /// How far a job is. Whether it is to be cancelled.
-fn show_job(ui: &mut Ui, job: &Job) -> bool {
+fn show_job(ui: &mut Ui, job: &ExportJob) -> bool {
     let (standing, left, of) = job.progress();
     ui.set_width(360.0);
     let name = job.path.file_name().unwrap_or(job.path.as_os_str());

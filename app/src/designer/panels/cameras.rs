@@ -3,14 +3,12 @@
 use egui::{CollapsingHeader, RichText, Sides, TextEdit, Ui};
 use renderer_core::design::{CameraDesign, Field, View};
 
-use super::Surroundings;
-use crate::designer::command::Command;
-use crate::designer::style::ROW_HEIGHT;
-use crate::designer::view_work::free_name;
+use super::surroundings::Surroundings;
+use crate::designer::panels::number_row::{number, number_value, optional_number};
+use crate::designer::shell::command::Command;
 use crate::designer::viewport::command::ViewCommand;
-use crate::designer::widgets::{
-    Icon, IconButton, number, number_value, optional_number, row, subheading,
-};
+use crate::designer::widgets::style::ROW_HEIGHT;
+use crate::designer::widgets::{Icon, IconButton, row, subheading};
 
 /// Height of an orthographic picture; no part of the camera's own table because a camera need not have it.
 const ORTHOGRAPHIC_HEIGHT: Field = Field {
@@ -200,4 +198,20 @@ fn numbers(ui: &mut Ui, camera: &mut CameraDesign) {
         same_height.clamp(ORTHOGRAPHIC_HEIGHT.min, ORTHOGRAPHIC_HEIGHT.max),
         "off",
     );
+}
+
+/// This name, or where it is empty or taken the first "view 2", "name 2" … that no camera has.
+pub fn free_name(cameras: &[CameraDesign], wanted: &str) -> String {
+    let is_free = |name: &String| cameras.iter().all(|camera| camera.name != *name);
+    let (stem, from) = match wanted {
+        "" => ("view", cameras.len() + 1),
+        wanted => (wanted, 2),
+    };
+    let first = (!wanted.is_empty()).then(|| wanted.to_owned());
+    let numbered = (from..).map(|number| format!("{stem} {number}"));
+    first
+        .into_iter()
+        .chain(numbered)
+        .find(is_free)
+        .unwrap_or_default()
 }

@@ -3,8 +3,11 @@
 use egui::Ui;
 use renderer_core::design::{Design, Finish, Sheared};
 
-use super::{Surroundings, nap};
-use crate::designer::widgets::{choice, number, subheading};
+use super::nap;
+use super::surroundings::Surroundings;
+use crate::designer::panels::choice_row::choice;
+use crate::designer::panels::number_row::number;
+use crate::designer::widgets::subheading;
 
 /// Shows the panel.
 pub fn show(

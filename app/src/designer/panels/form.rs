@@ -4,8 +4,10 @@ use egui::{Color32, ColorImage, DragValue, Ui, vec2};
 use renderer_core::design::{Design, Form, FormKind, HeightImage};
 use renderer_core::scene::{Net, net_through};
 
-use super::Command;
-use crate::designer::widgets::{Thumbnail, check, choice, number, row, show_thumbnail};
+use crate::designer::panels::choice_row::{check, choice};
+use crate::designer::panels::number_row::number;
+use crate::designer::shell::command::Command;
+use crate::designer::widgets::{Thumbnail, row, show_thumbnail};
 
 /// Rows and columns of a net that is new.
 const NEW_NET: usize = 5;
@@ -166,7 +168,7 @@ fn net(ui: &mut Ui, state: &mut State, design: &mut Design) {
         net.first().map_or(0, |row| row.len().saturating_sub(1)),
     ];
     (state.row, state.column) = (state.row.min(last_row), state.column.min(last_column));
-    // From 1, as rows are told everywhere in the window.
+    // From 1, as rows are counted everywhere in the window.
     let [mut row_number, mut column_number] = [state.row + 1, state.column + 1];
     row(
         ui,

@@ -6,7 +6,7 @@ use egui::{
 };
 use renderer_core::design::Design;
 
-use crate::designer::length_pictures::Lengths;
+use super::length_pictures::Lengths;
 use crate::designer::tasks::Latest;
 use crate::designer::widgets::{show_thumbnail, subheading};
 

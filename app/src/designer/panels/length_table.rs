@@ -3,9 +3,9 @@
 use egui::{Button, ComboBox, Frame, Margin, Response, Ui};
 use renderer_core::design::{Field, Length, LengthEntry, Phase, Pile, PileKind};
 
-use crate::designer::widgets::{
-    Choice, colour, colour_well, number, number_value, optional_number, row,
-};
+use crate::designer::panels::choice_row::{Choice, colour};
+use crate::designer::panels::number_row::{number, number_value, optional_number};
+use crate::designer::widgets::{colour_well, row};
 
 /// Which row shows all it has.
 #[derive(Default)]

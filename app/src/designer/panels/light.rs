@@ -5,10 +5,13 @@ use renderer_core::design::{
     AreaLight, Colour, Design, Environment, EnvironmentImage, EnvironmentKind, Light, Sun,
 };
 
+use super::light_presets;
 use super::light_sphere::{self, Lamp, LightSphere};
-use super::{Surroundings, ready_lights};
-use crate::designer::command::Command;
-use crate::designer::widgets::{Thumbnail, choice, colour, number, show_thumbnail, subheading};
+use super::surroundings::Surroundings;
+use crate::designer::panels::choice_row::{choice, colour};
+use crate::designer::panels::number_row::number;
+use crate::designer::shell::command::Command;
+use crate::designer::widgets::{Thumbnail, show_thumbnail, subheading};
 
 /// The lights' sphere and the picture of the surroundings.
 #[derive(Default)]
@@ -22,8 +25,8 @@ const WIDTH: usize = 256;
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design, around: &mut Surroundings<'_>) {
-    subheading(ui, "Ready lights");
-    if let Some(ready) = ready_lights::show(ui, design) {
+    subheading(ui, "Light presets");
+    if let Some(ready) = light_presets::show(ui, design) {
         state.sphere.selected = 0;
         *around.step_name = Some(format!("light: {}", ready.name().to_lowercase()));
     }
@@ -182,8 +185,8 @@ fn picture(
     let open = ui.button("Open surroundings…");
     if open
         .on_hover_text(
-            "Chooses an equirectangular image: .hdr or .exr with linear light, .png or .jpg. An .hdr or .exr can also be \
-             dropped on the window.",
+            "Chooses an equirectangular image: .hdr or .exr with linear light, .png or .jpg. An .hdr or .exr can \
+             also be dropped on the window.",
         )
         .clicked()
     {
@@ -203,7 +206,8 @@ fn picture(
     let width = ui.available_width().min(2.0 * WIDTH as f32);
     let size = vec2(width, width / 2.0);
     show_thumbnail(ui, &texture, size, "Image of the surroundings").on_hover_text(
-        "As bright as it is in the scene, without exposure. Up is above the cloth, the middle beyond its far edge unless it is turned.",
+        "As bright as it is in the scene, without exposure. Up is above the cloth, the middle beyond its far edge \
+        unless it is turned.",
     );
     let path = environment.image.as_deref().unwrap_or("not yet saved");
     let name = std::path::Path::new(path)

@@ -1,6 +1,6 @@
-//! Suns and area lights on a sphere that they light: the cloth's sky seen from straight above, its far edge at the top. A
-//! light over the middle shines down on the cloth, one at the rim grazes it. Each shows as the disc or the rectangle that it is
-//! in the sky; lights below the cloth's plane show hollow, through the sphere.
+//! Suns and area lights on a sphere that they light: the cloth's sky seen from straight above, its far edge at the top.
+//! A light over the middle shines down on the cloth, one at the rim grazes it. Each shows as the disc or the rectangle
+//! that it is in the sky; lights below the cloth's plane show hollow, through the sphere.
 
 use egui::{
     Align2, Color32, ColorImage, CursorIcon, FontId, Key, Pos2, Rect, Response, Role, Sense, Shape,
@@ -9,8 +9,8 @@ use egui::{
 use glam::DVec3;
 use renderer_core::design::{Colour, Environment, EnvironmentKind, Light};
 
-use crate::designer::style;
 use crate::designer::widgets::arrow_keys;
+use crate::designer::widgets::style;
 
 /// A light by its kind and its number among its kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -167,8 +167,8 @@ pub fn show(ui: &mut Ui, sphere: &mut LightSphere, light: &mut Light) -> Option<
         ..WidgetInfo::labeled(Role::Canvas, ui.is_enabled(), "Lights on a sphere")
     });
     response.on_hover_cursor(CursorIcon::Crosshair).on_hover_text(
-        "Drag a light over the sphere: in the middle it shines straight down on the cloth, at the rim it grazes it; up is the \
-         cloth's far edge. Keys: arrows move the light, Page up and Page down choose another.",
+        "Drag a light over the sphere: in the middle it shines straight down on the cloth, at the rim it grazes it; \
+         up is the cloth's far edge. Keys: arrows move the light, Page up and Page down choose another.",
     );
     if light.sun != before.sun {
         Some("moved sun")
@@ -356,8 +356,8 @@ fn paint_spot(
     }
 }
 
-/// Light from straight above, from the horizon and from below, as far as a small sphere shows it: an image counts as its
-/// brightness alone.
+/// Light from straight above, from the horizon and from below, as far as a small sphere shows it: an image counts as
+/// its brightness alone.
 fn sky(environment: &Environment) -> [[f64; 3]; 3] {
     let of = |colour: Colour| colour.linear().map(|c| c * environment.radiance);
     match environment.kind {

@@ -8,10 +8,13 @@ use renderer_core::design::{
 use renderer_core::scene::MonotoneCurve;
 
 use super::height_map::{self, HeightMaps};
-use super::{Surroundings, length_table};
-use crate::designer::length_pictures::{BARS, histogram};
+use super::length_pictures::{BARS, histogram};
+use super::length_table;
+use super::surroundings::Surroundings;
+use crate::designer::panels::choice_row::choice;
+use crate::designer::panels::number_row::number;
 use crate::designer::tasks::Latest;
-use crate::designer::widgets::{CurveEditor, choice, curve_editor, number, subheading};
+use crate::designer::widgets::{CurveEditor, curve_editor, subheading};
 
 /// Editor of the curve, the chart's histogram behind it, the open rows of the table, and the height map.
 #[derive(Default)]
@@ -74,8 +77,8 @@ fn curve(ui: &mut Ui, state: &mut State, length: &mut Length, chart: Option<&Cha
         |x| joined.value(x),
     )
     .on_hover_text(
-        "How brightness of the chart becomes length: left black, right white; bottom shortest, top longest. Behind it: how \
-         much of the chart has each brightness. Drag points, press to add one, double click removes one.",
+        "How brightness of the chart becomes length: left black, right white; bottom shortest, top longest. Behind \
+         it: how much of the chart has each brightness. Drag points, press to add one, double click removes one.",
     );
     ui.horizontal(|ui| {
         if let Some([x, y]) = length.curve.get(state.curve.selected).copied() {
@@ -119,8 +122,8 @@ fn table_buttons(ui: &mut Ui, length: &mut Length, chart: &Chart) -> bool {
         }
         let from_chart = ui.add_enabled(chart.pixels.is_some(), Button::new("Colours from chart"));
         let what = format!(
-            "Makes a row of each of the chart's commonest colours, at most {COMMONEST}; rows of colours already in the table \
-             are kept."
+            "Makes a row of each of the chart's commonest colours, at most {COMMONEST}; rows of colours already in \
+             the table are kept."
         );
         let without = "There is no chart: open one in the panel Chart.";
         let from_chart = from_chart.on_hover_text(what).on_disabled_hover_text(without);

@@ -1,8 +1,9 @@
-//! One loop of the pile, seen close, as it will be drawn: it shows what the yarn's numbers do. It turns under the pointer,
-//! when it is dragged, and by the arrow keys; otherwise it stands still and nothing is drawn.
+//! One loop of the pile, seen close, as it will be drawn: it shows what the yarn's numbers do. It turns under the
+//! pointer, when it is dragged, and by the arrow keys; otherwise it stands still and nothing is drawn.
 //!
-//! It turns in steps. Each is drawn once and kept until the pile changes, so that the second turn costs nothing. While a
-//! slider is dragged, a new picture is asked for only when the last has shown something: so there is always one to see.
+//! It turns in steps. Each is drawn once and kept until the pile changes, so that the second turn costs nothing. While
+//! a slider is dragged, a new picture is asked for only when the last has shown something: so there is always one to
+//! see.
 
 use egui::{
     Align2, Color32, ColorImage, FontId, Rect, Response, Role, Sense, Stroke, StrokeKind,
@@ -15,9 +16,11 @@ use renderer_core::design::{
 
 use renderer_core::scene::luma;
 
-use crate::designer::small_pictures::{Drawn, Job, Key, SmallPictures, Subject};
-use crate::designer::style;
+use crate::designer::presets::thumbnails::{
+    DrawnThumbnail, ThumbnailJob, ThumbnailKey, ThumbnailRenderer, ThumbnailSubject,
+};
 use crate::designer::widgets::arrow_keys;
+use crate::designer::widgets::style;
 
 /// Steps of a whole turn.
 const STEPS: usize = 36;
@@ -90,7 +93,7 @@ pub fn show(
     ui: &mut Ui,
     picture: &mut LoopPicture,
     design: &Design,
-    small_pictures: &mut SmallPictures,
+    thumbnails: &mut ThumbnailRenderer,
 ) {
     ui.add_space(2.0);
     ui.horizontal_top(|ui| {
@@ -99,15 +102,15 @@ pub fn show(
         let look = Look::new(ui, design, colour);
         if ui.is_rect_visible(rect) {
             let turns = picture.turn(ui, &response);
-            picture.follow(ui, look.clone(), turns, small_pictures);
+            picture.follow(ui, look.clone(), turns, thumbnails);
         }
         picture.paint(ui, &response, rect, &look);
-        let told = match &picture.shown {
+        let text = match &picture.shown {
             Some(Err(error)) => format!("not drawn: {error}"),
             _ => format!("turned by {}°", picture.step * 360 / STEPS),
         };
         response.widget_info(|| WidgetInfo {
-            current_text_value: Some(told.clone()),
+            current_text_value: Some(text.clone()),
             ..WidgetInfo::labeled(Role::Image, ui.is_enabled(), "One loop")
         });
         ui.vertical(|ui| describe(ui, &look));
@@ -174,7 +177,7 @@ impl Look {
     }
 
     /// A cloth of this one loop.
-    fn subject(&self, step: usize) -> Subject {
+    fn subject(&self, step: usize) -> ThumbnailSubject {
         let azimuth = 360.0 * step as f64 / STEPS as f64;
         let height_mm = self.height_mm();
         let design = Design {
@@ -238,7 +241,7 @@ impl Look {
             orthographic_height: Some(height_mm),
             ..CameraDesign::default()
         };
-        Subject { design, camera }
+        ThumbnailSubject { design, camera }
     }
 }
 
@@ -317,8 +320,8 @@ impl LoopPicture {
     }
 
     /// Takes what has been drawn and asks for what is missing.
-    fn follow(&mut self, ui: &Ui, look: Look, turns: bool, small_pictures: &mut SmallPictures) {
-        if let (Some(drawn), Some(asked)) = (small_pictures.take(&Key::Loop), self.asked) {
+    fn follow(&mut self, ui: &Ui, look: Look, turns: bool, thumbnails: &mut ThumbnailRenderer) {
+        if let (Some(drawn), Some(asked)) = (thumbnails.take(&ThumbnailKey::Loop), self.asked) {
             self.take(ui, drawn, asked);
         }
         if self.look.as_ref() != Some(&look) {
@@ -342,8 +345,8 @@ impl LoopPicture {
             _ => {
                 let step = self.step;
                 self.asked = Some((step, samples, false));
-                small_pictures.draw(Job {
-                    key: Key::Loop,
+                thumbnails.draw(ThumbnailJob {
+                    key: ThumbnailKey::Loop,
                     size: [look.side_px; 2],
                     samples,
                     is_urgent: true,
@@ -353,7 +356,7 @@ impl LoopPicture {
         }
     }
 
-    fn take(&mut self, ui: &Ui, drawn: Drawn, (step, samples, _): (usize, u32, bool)) {
+    fn take(&mut self, ui: &Ui, drawn: DrawnThumbnail, (step, samples, _): (usize, u32, bool)) {
         let texture = drawn.image.map(|image| texture(ui, image));
         if let (true, Ok(texture)) = (drawn.is_final && samples > 0, &texture) {
             let texture = texture.clone();

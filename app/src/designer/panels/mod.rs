@@ -1,35 +1,37 @@
 //! The document's panels, one file each, in the order one designs. A panel edits its part of the design and nothing
-//! else; what it cannot do itself (open a file, move the camera) it asks for with a [`Command`].
+//! else; what it cannot do itself (open a file, move the camera) it asks for with a command.
 
 mod cameras;
 mod chart;
+mod choice_row;
 mod finish;
 mod form;
 mod height_map;
+mod image_preview;
+pub mod length_pictures;
 mod length_table;
 mod light;
+mod light_presets;
 mod light_sphere;
 mod loop_length;
 mod loop_picture;
 mod nap;
+mod number_row;
 mod pile;
-mod ready_lights;
 mod sheet_weave;
 mod skeleton;
+mod surroundings;
 mod turbulence;
 mod view_quality;
 
 use std::collections::BTreeMap;
 
 use egui::{CollapsingHeader, RichText, ScrollArea, Ui};
-use renderer_core::design::{CameraDesign, Chart, ChartImage, Design, Fault, Warning};
+use renderer_core::design::{Chart, ChartImage, Design};
 
-pub use chart::yarn_name;
-pub use ready_lights::ReadyLight;
-
-use super::command::Command;
-use super::keyboard_focus::KeyboardFocus;
-use super::small_pictures::SmallPictures;
+pub use cameras::free_name;
+pub use light_presets::LightPreset;
+pub use surroundings::Surroundings;
 
 /// What panels remember that is no part of the design.
 #[derive(Default)]
@@ -44,24 +46,6 @@ pub struct Panels {
     light: light::State,
     /// Whether panels are open, by title, where that is not as they start.
     pub open: BTreeMap<String, bool>,
-}
-
-/// What panels may see beside the design.
-pub struct Surroundings<'a> {
-    /// Values of the design that are not allowed.
-    pub faults: &'a [Fault],
-    /// Things that are allowed but probably not meant.
-    pub warnings: &'a [Warning],
-    /// The camera of the viewport.
-    pub camera: &'a CameraDesign,
-    /// What the history is to call what a panel changes, where the designs before and after do not tell.
-    pub step_name: &'a mut Option<String>,
-    /// Where panels put what they ask for.
-    pub commands: &'a mut Vec<Command>,
-    /// What has the keyboard.
-    pub focus: &'a KeyboardFocus,
-    /// Draws thumbnails.
-    pub small_pictures: &'a mut SmallPictures,
 }
 
 /// Title of a panel, the parts of the design whose faults belong to it, and whether it starts open.
@@ -149,9 +133,9 @@ impl Panels {
     }
 }
 
-/// A collapsible panel, marked where its part of the design has faults, which are told at its top, or warnings, which are
-/// told at its end: they come and go while a slider is dragged, which must not move away under the pointer. Returns
-/// whether the user has it open.
+/// A collapsible panel, marked where its part of the design has faults, which are listed at its top, or warnings, which
+/// are listed at its end: they come and go while a slider is dragged, which must not move away under the pointer.
+/// Returns whether the user has it open.
 fn section(
     ui: &mut Ui,
     Title(title, parts, _): &Title,
@@ -184,8 +168,8 @@ fn section(
             for fault in faults {
                 ui.colored_label(ui.visuals().error_fg_color, fault);
             }
-            // Panels have rows of the same names, which else would be the same to egui: the menu of one would open that of
-            // the other, and Tab would go round between them.
+            // Panels have rows of the same names, which else would be the same to egui: the menu of one would open that
+            // of the other, and Tab would go round between them.
             ui.push_id(title, |ui| body(ui, around));
             for warning in warnings {
                 let text = RichText::new(warning).small();

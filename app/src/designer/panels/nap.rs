@@ -9,10 +9,12 @@ use renderer_core::design::nap_edit::{
 };
 use renderer_core::design::{ChartImage, Design, Fit, Nap, Sheet};
 
-use super::Surroundings;
-use super::chart::{Picture, reduced};
-use crate::designer::command::Command;
-use crate::designer::widgets::{PointerWay, Thumbnail, choice, number, row, subheading};
+use super::image_preview::{Picture, reduced};
+use super::surroundings::Surroundings;
+use crate::designer::panels::choice_row::choice;
+use crate::designer::panels::number_row::number;
+use crate::designer::shell::command::Command;
+use crate::designer::widgets::{PointerWay, Thumbnail, row, subheading};
 
 /// Picture of the map, and the comb.
 pub struct State {

@@ -3,9 +3,11 @@
 use egui::Ui;
 use renderer_core::design::{Design, Phase, Pile, PileKind};
 
-use super::Surroundings;
 use super::loop_picture::{self, LoopPicture};
-use crate::designer::widgets::{choice, more, number, subheading};
+use super::surroundings::Surroundings;
+use crate::designer::panels::choice_row::choice;
+use crate::designer::panels::number_row::number;
+use crate::designer::widgets::{more, subheading};
 
 /// The loop seen close.
 #[derive(Default)]
@@ -15,7 +17,7 @@ pub struct State {
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design, around: &mut Surroundings<'_>) {
-    loop_picture::show(ui, &mut state.picture, design, around.small_pictures);
+    loop_picture::show(ui, &mut state.picture, design, around.thumbnails);
     // Of the pile and, where the table counts, of its rows.
     let rows = design.length.rows();
     let some_kind = |is_so: fn(PileKind) -> bool| {

@@ -3,7 +3,9 @@
 use egui::Ui;
 use renderer_core::design::{SkeletonDesign, SkeletonShading};
 
-use crate::designer::widgets::{check, choice, colour, more, number};
+use crate::designer::panels::choice_row::{check, choice, colour};
+use crate::designer::panels::number_row::number;
+use crate::designer::widgets::more;
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, skeleton: &mut SkeletonDesign) {

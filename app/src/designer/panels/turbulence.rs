@@ -5,9 +5,11 @@ use egui::{Button, Color32, ColorImage, RichText, Sense, TextureHandle, TextureO
 use renderer_core::design::{Design, Filter, Pile, Turbulence};
 use renderer_core::scene::{CHANNELS, SheetGeometry, TurbulenceField};
 
-use super::Surroundings;
+use super::surroundings::Surroundings;
+use crate::designer::panels::choice_row::choice;
+use crate::designer::panels::number_row::number;
 use crate::designer::tasks::Latest;
-use crate::designer::widgets::{choice, more, number, show_thumbnail, subheading};
+use crate::designer::widgets::{more, show_thumbnail, subheading};
 
 /// What the thumbnails show: the turbulence of the first cells of a sheet.
 type Key = (SheetGeometry, Turbulence);
@@ -88,7 +90,7 @@ fn reset(ui: &mut Ui, design: &mut Design) -> bool {
 }
 
 /// What a channel is called, what it does, and how far at most with this pile.
-fn told(channel: usize, pile: &Pile) -> [String; 3] {
+fn texts(channel: usize, pile: &Pile) -> [String; 3] {
     let degrees = |angle: f64| format!("± {angle:.0}°");
     let percent = format!("± {:.0} %", 100.0 * pile.stretch);
     let (name, what, reach) = match channel {
@@ -137,7 +139,7 @@ fn thumbnails(ui: &mut Ui, state: &mut State, design: &Design) {
     ui.add_space(2.0);
     ui.horizontal(|ui| {
         for channel in 0..4 {
-            let [name, what, reach] = told(channel, &design.pile);
+            let [name, what, reach] = texts(channel, &design.pile);
             ui.vertical(|ui| {
                 ui.spacing_mut().item_spacing.y = 1.0;
                 let size = vec2(side, side);
@@ -145,7 +147,8 @@ fn thumbnails(ui: &mut Ui, state: &mut State, design: &Design) {
                     Some((_, textures)) => {
                         let title = format!("Turbulence of {name}");
                         show_thumbnail(ui, &textures[channel], size, &title).on_hover_text(format!(
-                            "Turbulence of {name}: {what}. Gray leaves a loop as it is, black and white move it by {reach}."
+                            "Turbulence of {name}: {what}. Gray leaves a loop as it is, black and white move it by \
+                            {reach}."
                         ));
                     }
                     None => {

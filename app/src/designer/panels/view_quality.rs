@@ -3,8 +3,11 @@
 use egui::Ui;
 use renderer_core::design::{Design, Method, Quality, View};
 
-use super::{Surroundings, cameras};
-use crate::designer::widgets::{check, choice, more, number, subheading};
+use super::cameras;
+use super::surroundings::Surroundings;
+use crate::designer::panels::choice_row::{check, choice};
+use crate::designer::panels::number_row::number;
+use crate::designer::widgets::{more, subheading};
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, design: &mut Design, around: &mut Surroundings<'_>) {

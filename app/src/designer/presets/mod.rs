@@ -1,6 +1,6 @@
-//! The presets: those that come with the program, and the user's own, each with a picture rendered in the background.
+//! The presets: those that come with the program, and the user's own, each with a thumbnail rendered in the background.
 
-mod actions;
+pub mod thumbnails;
 
 use std::collections::HashMap;
 use std::ffi::OsStr;
@@ -13,55 +13,12 @@ use egui::{
 };
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 
-use super::command::Command;
-use super::folders::Folders;
-use super::keyboard_focus::KeyboardFocus;
-use super::small_pictures::{Job, Key, SmallPictures, Subject};
-use super::tasks::{Poll, Task};
+use crate::designer::document::folders::Folders;
+use crate::designer::shell::command::{Command, Place, PresetCommand};
+use crate::designer::shell::keyboard_focus::KeyboardFocus;
+use crate::designer::tasks::{Poll, Task};
 use crate::files::{self, Outline, Shipped, is_bundle};
-
-/// Something to do with presets.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum PresetCommand {
-    /// Ask for a name and save the design under it.
-    AskToSave,
-    /// Save the design under this name.
-    Save(String),
-    /// Save it there, whatever is there.
-    SaveTo(PathBuf),
-    /// Copy a preset into the user's folder.
-    Duplicate(Place),
-    /// Ask for another name.
-    AskToRename(PathBuf),
-    /// Give it this name.
-    Rename(PathBuf, String),
-    /// Ask whether to delete it.
-    AskToDelete(PathBuf),
-    /// Delete it.
-    Delete(PathBuf),
-    /// Show it in the file manager.
-    Reveal(PathBuf),
-}
-
-impl PresetCommand {
-    /// With the name that was typed for it.
-    pub fn with_name(self, name: &str) -> Self {
-        match self {
-            Self::Save(_) => Self::Save(name.into()),
-            Self::Rename(path, _) => Self::Rename(path, name.into()),
-            other => other,
-        }
-    }
-}
-
-/// Where a preset is.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub enum Place {
-    /// In the program, under this name.
-    Program(String),
-    /// In a file.
-    File(PathBuf),
-}
+use thumbnails::{ThumbnailJob, ThumbnailKey, ThumbnailRenderer, ThumbnailSubject};
 
 /// A preset of the list.
 #[derive(Debug, Clone)]
@@ -81,17 +38,18 @@ struct Listed {
 
 /// The list.
 pub struct Presets {
-    folders: Option<Folders>,
+    /// Where the user's own presets and the pictures of all are.
+    pub folders: Option<Folders>,
     list: Vec<Preset>,
     listing: Option<Task<Listed>>,
     /// By content: a picture stays right as long as that does.
     pictures: HashMap<u64, TextureHandle>,
     /// Being drawn: key and content.
-    drawn: Vec<(Key, u64)>,
+    drawn: Vec<(ThumbnailKey, u64)>,
     search: String,
     is_outdated: bool,
     /// The file manager at work.
-    revealing: Option<(PathBuf, Task<Result<(), String>>)>,
+    pub revealing: Option<(PathBuf, Task<Result<(), String>>)>,
 }
 
 /// Size of a picture, points.
@@ -133,18 +91,18 @@ impl Presets {
     pub fn take_news(
         &mut self,
         ctx: &Context,
-        small_pictures: &mut SmallPictures,
+        thumbnails: &mut ThumbnailRenderer,
     ) -> Option<(PathBuf, String)> {
         if self.listing.is_none() && self.is_outdated {
             self.read(ctx);
         }
         if let Some(Poll::Ready(listed)) = self.listing.as_ref().map(Task::poll) {
             self.listing = None;
-            self.take_list(ctx, listed, small_pictures);
+            self.take_list(ctx, listed, thumbnails);
         }
         let cache = self.folders.as_ref().map(|folders| folders.cache.clone());
         self.drawn.retain(|(key, content)| {
-            let Some(drawn) = small_pictures.take(key) else {
+            let Some(drawn) = thumbnails.take(key) else {
                 return true;
             };
             if let Ok(image) = drawn.image {
@@ -169,7 +127,7 @@ impl Presets {
         failure
     }
 
-    fn take_list(&mut self, ctx: &Context, listed: Listed, small_pictures: &mut SmallPictures) {
+    fn take_list(&mut self, ctx: &Context, listed: Listed, thumbnails: &mut ThumbnailRenderer) {
         self.list.clear();
         for (preset, picture) in listed.presets {
             let content = preset.outline.content;
@@ -177,7 +135,7 @@ impl Presets {
                 let texture = ctx.load_texture("preset", picture, TextureOptions::LINEAR);
                 self.pictures.insert(content, texture);
             }
-            let key = Key::Preset(match &preset.place {
+            let key = ThumbnailKey::Preset(match &preset.place {
                 Place::Program(name) => Path::new("program").join(name),
                 Place::File(path) => path.clone(),
             });
@@ -185,7 +143,7 @@ impl Presets {
             let is_drawn = self.drawn.contains(&(key.clone(), content));
             if listed.can_keep && !is_known && !is_drawn {
                 let place = preset.place.clone();
-                small_pictures.draw(Job {
+                thumbnails.draw(ThumbnailJob {
                     key: key.clone(),
                     subject: Box::new(move || subject(&place)),
                     size: DRAWN,
@@ -388,7 +346,8 @@ fn list(folders: Option<&Folders>) -> Listed {
     }
 }
 
-fn stem_of(path: &Path) -> String {
+/// Name of a file without its ending.
+pub fn stem_of(path: &Path) -> String {
     path.file_stem()
         .unwrap_or_default()
         .to_string_lossy()
@@ -429,14 +388,14 @@ fn write_picture(path: &Path, picture: &ColorImage) -> Option<()> {
 }
 
 /// A preset as its first camera sees it.
-fn subject(place: &Place) -> Result<Subject, String> {
+fn subject(place: &Place) -> Result<ThumbnailSubject, String> {
     let opened = match place {
         Place::Program(name) => Shipped::named(name).ok_or("is gone")?.open(),
         Place::File(path) => files::open_design(path),
     };
     let design = opened.map_err(|error| error.to_string())?.design;
     let camera = design.view.cameras.first().cloned().unwrap_or_default();
-    Ok(Subject { design, camera })
+    Ok(ThumbnailSubject { design, camera })
 }
 
 fn same_file(a: &Path, b: &Path) -> bool {

@@ -25,10 +25,10 @@ pub struct Fallback {
 /// What to do after a failure.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Remedy {
-    /// Try again, which may lead to a new backend or a smaller picture; with something to tell, once.
+    /// Try again, which may lead to a new backend or a smaller picture; with something to report, once.
     Again(Option<String>),
-    /// Nothing helps: tell of it.
-    Tell,
+    /// Nothing helps: report it.
+    Report,
 }
 
 impl Fallback {
@@ -68,7 +68,8 @@ impl Fallback {
     pub fn standing(&self) -> Option<String> {
         let because = self.processor_because.as_ref()?;
         Some(format!(
-            "{because} The processor renders instead, more slowly; the design is unharmed. To try the GPU again, choose it in the status bar."
+            "{because} The processor renders instead, more slowly; the design is unharmed. To try the GPU again, \
+            choose it in the status bar."
         ))
     }
 
@@ -88,8 +89,8 @@ impl Fallback {
             ),
         };
         match error {
-            RenderError::Method { .. } | RenderError::Size(_) => return Remedy::Tell,
-            _ if !is_gpu => return Remedy::Tell,
+            RenderError::Method { .. } | RenderError::Size(_) => return Remedy::Report,
+            _ if !is_gpu => return Remedy::Report,
             RenderError::Lost(_) | RenderError::Device(_) => {
                 let was_lost = self.lost.replace(Instant::now());
                 if was_lost.is_none_or(|lost| lost.elapsed() > SOON) {

@@ -1,36 +1,53 @@
-//! The thread that owns a backend: takes the latest wish of the viewport, compiles its scene, renders it in short
-//! slices and publishes pictures. The window never waits for it, and when a picture is done it sleeps.
+//! The thread that owns a backend: takes the viewport's latest request, compiles its scene, renders it in short slices
+//! and publishes pictures. The window never waits for it, and when a picture is done it sleeps.
 //!
-//! A new wish is first drawn small: at a fraction of the size that takes a few hundredths of a second, then at double
-//! that, and so on up to the full size. So every edit shows at once, however slow the machine, and nothing of the full
-//! picture's samples depends on it. Pictures of few samples are shown softer, the sharper the more
-//! samples they have.
+//! A new request is first drawn small: at a fraction of the size that takes a few hundredths of a second, then at
+//! double that, and so on up to the full size. So every edit shows at once, however slow the machine, and nothing of
+//! the full picture's samples depends on it. Pictures of few samples are shown softer, the sharper the more samples
+//! they have.
+//!
+//! | module | what is in it |
+//! | --- | --- |
+//! | this | the request, the handle of the thread, and what they share |
+//! | `view_state` | what the thread publishes: stage, picture, scene, device |
+//! | `worker` | what the thread does with a request |
+//! | `coarse_preview` | how coarse a picture may be, so that its scene is there soon |
+//! | `render_job` | a picture in work, and the ladder of sizes it climbs |
+//! | `stand_in`, `fallback` | the processor in place of a GPU that is not ready, or has failed |
+//! | `renderer`, `display_table` | a backend, and how its pictures become frames of the window |
+//! | `draft_lighting` | what the viewport estimates instead of tracing it |
+//! | `workers` | the threads that render, behind those of the window in priority |
 
+mod coarse_preview;
+mod display_table;
+pub mod draft_lighting;
 mod fallback;
-mod first_look;
-mod job;
+mod render_job;
+pub mod renderer;
 mod stand_in;
+mod view_state;
 mod worker;
+pub mod workers;
 
+use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
-use renderer_core::design::{CameraDesign, Design, Warning};
+use renderer_core::design::{CameraDesign, Design};
 use renderer_core::image::Display;
-use renderer_core::render::{BackendKind, Cloth, Progress};
-use renderer_core::scene::LoopCounts;
 
-use super::live_light::LiveLight;
-use super::renderer::{MakeRenderer, Shot};
-use super::workers;
+pub use view_state::{DeviceInUse, Priority, SceneSummary, Seen, Stage, ViewState};
+
 use crate::backend::BackendChoice;
+use draft_lighting::LiveLight;
+use renderer::MakeRenderer;
 use worker::Worker;
 
 /// What the viewport wants to see.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Wish {
+pub struct ViewRequest {
     /// A design without faults.
     pub design: Arc<Design>,
     /// From where.
@@ -47,129 +64,73 @@ pub struct Wish {
     pub light: LiveLight,
 }
 
-/// What the thread is doing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Activity {
-    /// Nothing.
-    #[default]
-    Idle,
-    /// Making the scene.
-    Compiling,
-    /// Adding samples.
-    Rendering,
-}
-
-/// What the thread has to show.
-#[derive(Debug, Clone, Default)]
-pub struct Shown {
-    /// The newest picture.
-    pub image: Option<Shot>,
-    /// Counts pictures, so that the viewport notices a new one.
-    pub version: u64,
-    /// What the newest picture shows; its samples are those of a smaller picture while `is_reduced`.
-    pub progress: Progress,
-    /// Whether the newest picture is a small one, drawn for speed.
-    pub is_reduced: bool,
-    /// Whether no picture, however small, shows what is wished yet.
-    pub is_unseen: bool,
-    /// Whether no picture of full size shows what is wished yet.
-    pub is_first: bool,
-    /// What the thread is doing.
-    pub activity: Activity,
-    /// Time spent rendering since the last wish that changed the picture.
-    pub seconds: f64,
-    /// The backend whose picture is shown, and its adapter or processor.
-    pub device: Option<(BackendKind, String)>,
-    /// Whether that stands in for a GPU that was not ready for the picture.
-    pub stands_in: bool,
-    /// Bytes on the device.
-    pub device_bytes: u64,
-    /// Loops of the scene.
-    pub counts: LoopCounts,
-    /// Things about the design and its scene that are allowed but probably not meant.
-    pub warnings: Vec<Warning>,
-    /// What went wrong, until something goes right.
-    pub error: Option<String>,
-    /// Why something else renders than was chosen, as long as it does.
-    pub instead: Option<String>,
-    /// Something that happened, and how many such things did.
-    pub news: (u64, String),
-    /// Width and height of the picture in work at its full size, pixels; less than wished where the backend or its memory
-    /// cannot do more.
-    pub size: [u32; 2],
-    /// What the picture shows.
-    pub cloth: Option<Arc<Cloth>>,
-}
-
-impl Shown {
-    fn tell(&mut self, news: String) {
-        self.news = (self.news.0 + 1, news);
-    }
-
-    /// Whether the thread works towards the first picture of what is wished: somebody waits for it.
-    pub fn is_busy(&self) -> bool {
-        self.hurry() != Hurry::None
-    }
-
-    /// How much somebody waits for it.
-    pub fn hurry(&self) -> Hurry {
-        match self.activity {
-            Activity::Idle => Hurry::None,
-            Activity::Compiling => Hurry::Unseen,
-            Activity::Rendering if self.is_unseen => Hurry::Unseen,
-            Activity::Rendering if self.is_first => Hurry::Small,
-            Activity::Rendering => Hurry::None,
-        }
+impl ViewRequest {
+    /// Whether both have the same samples: they differ in nothing but how light becomes colour, and in saved views.
+    pub fn has_samples_of(&self, other: &Self) -> bool {
+        let same_design = || {
+            let mut design = Design::clone(&other.design);
+            design.view = self.design.view.clone();
+            design == *self.design
+        };
+        let seen_from =
+            |request: &Self| (request.size, request.choice, request.attempt, request.light);
+        self.camera == other.camera && seen_from(self) == seen_from(other) && same_design()
     }
 }
 
-/// How urgently the viewport needs the machine.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Hurry {
-    /// What is wished can be seen in full size; it only gets clearer.
-    #[default]
+/// What the thread finds when it looks for mail.
+enum Mail {
+    /// Something new to show.
+    Request(Box<ViewRequest>),
+    /// Nothing: go on with what is in work.
     None,
-    /// What is wished can be seen, but smaller than it should be.
-    Small,
-    /// Nothing of what is wished can be seen.
-    Unseen,
+    /// The window is gone.
+    Stop,
 }
 
 #[derive(Default)]
 struct Mailbox {
-    wish: Option<Wish>,
+    request: Option<Box<ViewRequest>>,
     stop: bool,
 }
 
+/// What both sides see.
 #[derive(Default)]
 struct Shared {
     mailbox: Mutex<Mailbox>,
     mail: Condvar,
+    /// Whether what is in work is of no use any more: something else is requested.
     cancel: AtomicBool,
-    shown: Mutex<Shown>,
+    state: Mutex<ViewState>,
 }
 
 impl Shared {
-    /// A wish, or `Some(None)` if there is none while something is in work; sleeps while there is nothing to do. `None` to
-    /// stop.
-    fn next_mail(&self, is_working: bool) -> Option<Option<Wish>> {
+    /// The mail there is; without any sleeps until some comes, unless something `is_working`.
+    fn next_mail(&self, is_working: bool) -> Mail {
         let mut mailbox = lock(&self.mailbox);
         loop {
             if mailbox.stop {
-                return None;
+                return Mail::Stop;
             }
-            if let Some(wish) = mailbox.wish.take() {
+            if let Some(request) = mailbox.request.take() {
                 self.cancel.store(false, Ordering::Relaxed);
-                return Some(Some(wish));
+                return Mail::Request(request);
             }
             if is_working {
-                return Some(None);
+                return Mail::None;
             }
-            mailbox = self
-                .mail
-                .wait(mailbox)
-                .unwrap_or_else(PoisonError::into_inner);
+            let woken = self.mail.wait(mailbox);
+            mailbox = woken.unwrap_or_else(PoisonError::into_inner);
         }
+    }
+
+    /// Changes what is in the mailbox and wakes the thread; it leaves what it does if that `is_outdated`.
+    fn post(&self, is_outdated: bool, change: impl FnOnce(&mut Mailbox)) {
+        change(&mut lock(&self.mailbox));
+        if is_outdated {
+            self.cancel.store(true, Ordering::Relaxed);
+        }
+        self.mail.notify_one();
     }
 }
 
@@ -202,62 +163,62 @@ impl RenderThread {
     fn start(&mut self) {
         let shared = Arc::clone(&self.shared);
         let (make, repaint) = (Arc::clone(&self.make), self.repaint.clone());
-        let started = std::thread::Builder::new()
-            .name("render".into())
-            .spawn(move || {
-                workers::stand_back();
-                let worker = AssertUnwindSafe(|| Worker::new(&shared, make, &repaint).run());
-                if let Err(panic) = catch_unwind(worker) {
-                    let reason = panic
-                        .downcast_ref::<String>()
-                        .map(String::as_str)
-                        .or_else(|| panic.downcast_ref::<&str>().copied())
-                        .unwrap_or("unknown reason");
-                    let mut shown = lock(&shared.shown);
-                    shown.activity = Activity::Idle;
-                    shown.error = Some(format!(
-                        "The renderer stopped: {reason}. The design is unharmed; the next change starts it again."
-                    ));
-                    drop(shown);
-                    repaint.request_repaint();
-                }
-            });
+        let thread = std::thread::Builder::new().name("render".into());
+        let started = thread.spawn(move || run(&shared, make, &repaint));
         match started {
             Ok(thread) => self.thread = Some(thread),
             Err(error) => {
-                lock(&self.shared.shown).error =
-                    Some(format!("No thread to render with: {error}."));
+                let error = format!("No thread to render with: {error}.");
+                lock(&self.shared.state).error = Some(error);
             }
         }
     }
 
-    /// Renders this instead of what was wanted before. `same_picture` says that only its display differs.
-    pub fn send(&mut self, wish: Wish, same_picture: bool) {
+    /// Renders this instead of what was requested before. Starts the thread again if it has died.
+    pub fn send(&mut self, request: ViewRequest, same_samples: bool) {
         if self.thread.as_ref().is_none_or(JoinHandle::is_finished) {
             self.start();
         }
-        let mut mailbox = lock(&self.shared.mailbox);
-        mailbox.wish = Some(wish);
-        if !same_picture {
-            self.shared.cancel.store(true, Ordering::Relaxed);
-        }
-        self.shared.mail.notify_one();
+        let request = Box::new(request);
+        self.shared
+            .post(!same_samples, |mailbox| mailbox.request = Some(request));
     }
 
     /// What there is to show now.
-    pub fn shown(&self) -> Shown {
-        lock(&self.shared.shown).clone()
+    pub fn state(&self) -> ViewState {
+        lock(&self.shared.state).clone()
     }
 }
 
 impl Drop for RenderThread {
     fn drop(&mut self) {
-        lock(&self.shared.mailbox).stop = true;
-        self.shared.cancel.store(true, Ordering::Relaxed);
-        self.shared.mail.notify_one();
+        self.shared.post(true, |mailbox| mailbox.stop = true);
         if let Some(thread) = self.thread.take() {
-            // A panic was told in the window already.
+            // The window has reported a panic already.
             let _ = thread.join();
         }
     }
+}
+
+/// The thread, from its start to the end of the window. A panic ends it, and is published as an error.
+fn run(shared: &Shared, make: MakeRenderer, repaint: &egui::Context) {
+    workers::stand_back();
+    let work = AssertUnwindSafe(|| Worker::new(shared, make, repaint).run());
+    if let Err(panic) = catch_unwind(work) {
+        let reason = reason_of(&*panic);
+        let mut state = lock(&shared.state);
+        state.stage = Stage::Idle;
+        state.error = Some(format!(
+            "The renderer stopped: {reason}. The design is unharmed; the next change starts it again."
+        ));
+        drop(state);
+        repaint.request_repaint();
+    }
+}
+
+/// The message of a panic.
+fn reason_of(panic: &(dyn Any + Send)) -> &str {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    text.or_else(|| panic.downcast_ref::<&str>().copied())
+        .unwrap_or("unknown reason")
 }

@@ -1,11 +1,12 @@
 //! The processor in place of a GPU whose pipeline for a picture is still in the making.
 //!
-//! It draws the same picture at once. When the pipeline is there the GPU begins that picture unseen, and what the processor
-//! has stays in the window until the GPU's is no noisier: nobody sees a step back. A picture that the processor has ended
-//! before stays for good, since the GPU could only draw the same again; the next edit is the GPU's. If more samples are asked
-//! for than it ended with, the GPU begins it as above.
+//! It draws the same picture at once. When the pipeline is there the GPU begins that picture unseen, and what the
+//! processor has stays in the window until the GPU's is no noisier: nobody sees a step back. A picture that the
+//! processor has ended before stays for good, since the GPU could only draw the same again; the next edit is the GPU's.
+//! If more samples are asked for than it ended with, the GPU begins it as above.
 
-use crate::designer::renderer::Renderer;
+use super::DeviceInUse;
+use super::renderer::Renderer;
 
 /// What the processor does for the renderer.
 #[derive(Default)]
@@ -38,6 +39,18 @@ impl StandIn {
         match self {
             Self::Draws(stand_in) | Self::IsShown(stand_in) => stand_in,
             Self::None => renderer,
+        }
+    }
+
+    /// What there is to say about whose picture is shown.
+    pub fn device(&mut self, renderer: &mut Renderer) -> DeviceInUse {
+        let stands_in = self.is_some();
+        let shown = self.shown(renderer).backend();
+        DeviceInUse {
+            kind: shown.kind(),
+            name: shown.device_name(),
+            bytes: shown.device_bytes(),
+            stands_in,
         }
     }
 

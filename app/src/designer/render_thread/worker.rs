@@ -1,6 +1,6 @@
-//! What the thread does: takes a wish, makes its scene and its picture, and answers failures.
+//! What the thread does: takes a request, makes its scene and its picture, and answers failures.
 
-mod glimpse;
+mod preview;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,23 +12,22 @@ use renderer_core::render::{Camera, Cloth, ClothMaker, Extent, LevelPlan, Progre
 use renderer_core::scene::{self, Cancel, CompileError};
 
 use super::fallback::{Fallback, Remedy};
-use super::job::Job;
+use super::render_job::RenderJob;
+use super::renderer::{DisplayTransform, MakeRenderer, Renderer};
 use super::stand_in::StandIn;
-use super::{Activity, Shared, Shown, Wish, lock};
+use super::{Mail, SceneSummary, Seen, Shared, Stage, ViewRequest, ViewState, lock, workers};
 use crate::backend::BackendChoice;
-use crate::designer::renderer::{Developer, MakeRenderer, Renderer};
-use crate::designer::workers;
 
 /// How long a backend works before the thread looks for news.
 const SLICE: Duration = Duration::from_millis(50);
-/// The same on the window's own GPU, where frames must wait for what is under way.
+/// How long the window's own GPU works before the thread looks for news: frames must wait for what is under way there.
 const SHORT_SLICE: Duration = Duration::from_millis(12);
-/// A scene that is made within this time is not given up for a newer wish: it still shows where a drag is going.
+/// A scene that is made within this time is not given up for a newer request: it still shows where a drag is going.
 const FINISHED_ANYWAY: Duration = Duration::from_millis(400);
 /// Scenes are given up for so long; then one is made to its end, so that an endless drag shows something too.
 const GIVING_UP: Duration = Duration::from_secs(2);
 
-/// Why a wish cannot be had.
+/// Why a request cannot be met.
 enum Failure {
     Compile(CompileError),
     Render(RenderError),
@@ -54,18 +53,19 @@ pub struct Worker<'a> {
     renderer: Option<(BackendChoice, Renderer)>,
     stand_in: StandIn,
     fallback: Fallback,
-    wish: Option<Wish>,
+    /// What is to be shown.
+    view: Option<Box<ViewRequest>>,
     maker: ClothMaker,
-    /// Makes cloth for first looks.
-    glimpse_maker: ClothMaker,
+    /// Makes cloth for coarse previews.
+    preview_maker: ClothMaker,
     /// The last cloth and its design.
     made: Option<(Arc<Design>, Arc<Cloth>)>,
     /// Since when scenes have been given up without one being finished.
     giving_up: Option<Instant>,
     /// How long the loops of the last scene took that was made with new ones.
     loops_took: Duration,
-    job: Option<Job>,
-    developer: Developer,
+    job: Option<RenderJob>,
+    transform: DisplayTransform,
     /// How the last picture was shown.
     display: Option<Display>,
     /// Seconds for a sample of a pixel, as last measured.
@@ -73,7 +73,7 @@ pub struct Worker<'a> {
 }
 
 impl<'a> Worker<'a> {
-    /// Nothing wished, nothing made.
+    /// Nothing requested, nothing made.
     pub fn new(shared: &'a Shared, make: MakeRenderer, repaint: &'a egui::Context) -> Self {
         Self {
             shared,
@@ -82,28 +82,30 @@ impl<'a> Worker<'a> {
             renderer: None,
             stand_in: StandIn::None,
             fallback: Fallback::default(),
-            wish: None,
+            view: None,
             maker: ClothMaker::default(),
-            glimpse_maker: ClothMaker::default(),
+            preview_maker: ClothMaker::default(),
             made: None,
             giving_up: None,
             loops_took: Duration::ZERO,
             job: None,
-            developer: Developer::default(),
+            transform: DisplayTransform::default(),
             display: None,
             cost: None,
         }
     }
 
-    /// Works until told to stop.
+    /// Works until the window is gone.
     pub fn run(&mut self) {
-        while let Some(mail) = self.next_mail() {
-            let mut result = match mail {
-                Some(wish) => {
-                    self.wish = Some(wish);
-                    self.take()
+        loop {
+            let is_working = self.job.as_ref().is_some_and(|job| !job.is_done);
+            let mut result = match self.shared.next_mail(is_working) {
+                Mail::Stop => return,
+                Mail::Request(view) => {
+                    self.view = Some(view);
+                    self.take_request()
                 }
-                None => self.advance(),
+                Mail::None => self.advance(),
             };
             while let Err(failure) = result {
                 result = self.answer(failure);
@@ -111,18 +113,12 @@ impl<'a> Worker<'a> {
         }
     }
 
-    /// A wish, or `Some(None)` if there is none and work goes on; sleeps while there is nothing to do. `None` to stop.
-    fn next_mail(&self) -> Option<Option<Wish>> {
-        let is_working = self.job.as_ref().is_some_and(|job| !job.is_done);
-        self.shared.next_mail(is_working)
-    }
-
-    fn publish(&self, change: impl FnOnce(&mut Shown)) {
-        change(&mut lock(&self.shared.shown));
+    fn publish(&self, change: impl FnOnce(&mut ViewState)) {
+        change(&mut lock(&self.shared.state));
         self.repaint.request_repaint();
     }
 
-    /// Tries what helps after a failure, or tells of it.
+    /// Tries what helps after a failure, or publishes it.
     fn answer(&mut self, failure: Failure) -> Result<(), Failure> {
         let error = match failure {
             // What took its place waits in the mailbox.
@@ -141,92 +137,97 @@ impl<'a> Worker<'a> {
                     Remedy::Again(news) => {
                         tracing::warn!("{error}");
                         if let Some(news) = news {
-                            self.publish(|shown| shown.tell(news));
+                            self.publish(|state| state.report(news));
                         }
-                        return self.take();
+                        return self.take_request();
                     }
-                    Remedy::Tell => error.to_string(),
+                    Remedy::Report => error.to_string(),
                 }
             }
         };
         self.job = None;
-        self.publish(|shown| {
-            shown.activity = Activity::Idle;
-            shown.error = Some(error);
+        self.publish(|state| {
+            state.stage = Stage::Idle;
+            state.error = Some(error);
         });
         Ok(())
     }
 
-    /// Starts what is wished, as far as it differs from what is in work.
-    fn take(&mut self) -> Result<(), Failure> {
-        let Some(wish) = self.wish.clone() else {
+    /// Starts what is requested, as far as it differs from what is in work.
+    fn take_request(&mut self) -> Result<(), Failure> {
+        let Some(view) = self.view.clone() else {
             return Ok(());
         };
-        let was_glimpsed = self.glimpse(&wish)?;
-        let cloth = self.cloth_of(&wish, was_glimpsed)?;
-        if self.fallback.choose(wish.choice, wish.attempt) {
+        let has_preview = self.preview(&view)?;
+        let cloth = self.cloth_of(&view, has_preview)?;
+        if self.fallback.choose(view.choice, view.attempt) {
             self.renderer = None;
             self.stand_in = StandIn::None;
         }
-        let choice = wish.choice.for_method(wish.design.quality.method);
+        let choice = view.choice.for_method(view.design.quality.method);
         let largest_side = self.choose_backend(self.fallback.effective(choice))?;
-        let size = self.fallback.fitted(wish.size, largest_side);
-        let camera = Camera::from_design(&wish.camera);
-        let sight = cloth.sight(&wish.design, &camera, wish.size);
-        let request = sight.request(size, wish.light.settings(&wish.design));
+        let size = self.fallback.fitted(view.size, largest_side);
+        let camera = Camera::from_design(&view.camera);
+        let sight = cloth.sight(&view.design, &camera, view.size);
+        let request = sight.request(size, view.light.settings(&view.design));
         let standing = self.fallback.standing();
-        self.publish(|shown| {
-            shown.instead = standing;
-            shown.size = size;
+        self.publish(|state| {
+            state.instead = standing;
+            state.size = size;
         });
         match &mut self.job {
-            Some(job) if job.request == request => return self.show_again(wish.display),
+            Some(job) if job.request == request => return self.show_again(view.display),
             Some(job) if job.goes_on_as(&request) => job.go_on_as(request),
-            _ => self.job = Some(Job::new(request, self.cost)),
+            _ => self.job = Some(RenderJob::new(request, self.cost)),
         }
         self.begin()
     }
 
-    /// The parts of the cloth that a wish's picture shows; those that are there as long as they hold it.
-    fn plan(&self, wish: &Wish, camera: &Camera) -> LevelPlan {
+    /// The parts of the cloth that a request's picture shows; those that are there as long as they hold it.
+    fn plan(&self, view: &ViewRequest, camera: &Camera) -> LevelPlan {
         let last = self.made.as_ref().map(|(_, cloth)| &cloth.plan);
-        LevelPlan::new(&wish.design, camera, wish.size, Extent::LIVE, last)
+        LevelPlan::new(&view.design, camera, view.size, Extent::LIVE, last)
     }
 
-    /// Whether the parts that a plan names of a wish's design are there.
-    fn has_parts(&self, wish: &Wish, plan: &LevelPlan) -> bool {
+    /// Whether the parts that a plan names of a request's design are there.
+    fn has_parts(&self, view: &ViewRequest, plan: &LevelPlan) -> bool {
         let made = self.made.as_ref();
         made.is_some_and(|(design, cloth)| {
-            Arc::ptr_eq(design, &wish.design) && cloth.plan.excerpts == plan.excerpts
+            Arc::ptr_eq(design, &view.design) && cloth.plan.excerpts == plan.excerpts
         })
     }
 
-    /// The cloth that a wish's picture shows; given up for a newer wish sooner where something of it could be seen already.
-    fn cloth_of(&mut self, wish: &Wish, was_glimpsed: bool) -> Result<Arc<Cloth>, CompileError> {
-        let design = &wish.design;
-        let camera = Camera::from_design(&wish.camera);
-        let plan = self.plan(wish, &camera);
+    /// The cloth that a request's picture shows; given up for a newer request sooner where there is a coarse preview
+    /// already.
+    fn cloth_of(
+        &mut self,
+        view: &ViewRequest,
+        has_preview: bool,
+    ) -> Result<Arc<Cloth>, CompileError> {
+        let design = &view.design;
+        let camera = Camera::from_design(&view.camera);
+        let plan = self.plan(view, &camera);
         if let Some((_, cloth)) = &self.made
-            && self.has_parts(wish, &plan)
+            && self.has_parts(view, &plan)
             && cloth.plan == plan
         {
             return Ok(Arc::clone(cloth));
         }
-        let mut before = Activity::Idle;
-        self.publish(|shown| {
-            before = std::mem::replace(&mut shown.activity, Activity::Compiling);
+        let mut before = Stage::Idle;
+        self.publish(|state| {
+            before = std::mem::replace(&mut state.stage, Stage::Compiling);
         });
         let (start, giving_up) = (Instant::now(), self.giving_up);
         let cancel = &self.shared.cancel;
         let is_given_up = || {
-            let shows_nothing_else = !was_glimpsed
+            let shows_nothing_else = !has_preview
                 && (start.elapsed() <= FINISHED_ANYWAY
                     || giving_up.is_some_and(|since| since.elapsed() >= GIVING_UP));
             cancel.load(Ordering::Relaxed) && !shows_nothing_else
         };
         let maker = &mut self.maker;
         let made = workers::with_all(|| maker.make(design, plan, &Cancel::when(&is_given_up)));
-        if made == Err(CompileError::Cancelled) && !was_glimpsed {
+        if made == Err(CompileError::Cancelled) && !has_preview {
             self.giving_up.get_or_insert(start);
         } else {
             self.giving_up = None;
@@ -236,18 +237,21 @@ impl<'a> Worker<'a> {
             self.loops_took = start.elapsed();
         }
         let warnings = scene::warnings(design, &cloth.nearest);
-        self.publish(|shown| {
+        let scene = SceneSummary {
+            counts: cloth.counts(),
+            warnings,
+            cloth: Some(Arc::clone(&cloth)),
+        };
+        self.publish(|state| {
             // Where the picture stays the same, so does what is being done.
-            shown.activity = before;
-            shown.counts = cloth.counts();
-            shown.warnings = warnings;
-            shown.cloth = Some(Arc::clone(&cloth));
+            state.stage = before;
+            state.scene = scene;
         });
         self.made = Some((Arc::clone(design), Arc::clone(&cloth)));
         Ok(cloth)
     }
 
-    /// Makes the backend unless it is there, and tells the largest side of its pictures.
+    /// Makes the backend unless it is there; the largest side of its pictures.
     fn choose_backend(&mut self, choice: BackendChoice) -> Result<u32, RenderError> {
         if let Some((made, renderer)) = &mut self.renderer
             && *made == choice
@@ -265,8 +269,8 @@ impl<'a> Worker<'a> {
         Ok(largest_side)
     }
 
-    /// Hands the job's picture, at its present size, to the backend, and to the processor as well while that is not ready
-    /// for it, or has begun the picture and may have it ended already.
+    /// Hands the job's picture, at its present size, to the backend, and to the processor as well while that is not
+    /// ready for it, or has begun the picture and may have it ended already.
     fn begin(&mut self) -> Result<(), Failure> {
         let (Some(job), Some((_, renderer))) = (&mut self.job, &mut self.renderer) else {
             return Ok(());
@@ -286,17 +290,16 @@ impl<'a> Worker<'a> {
         } else if is_new {
             self.stand_in = StandIn::None;
         }
-        let stands_in = self.stand_in.is_some();
-        let shown = self.stand_in.shown(renderer).backend();
-        let (device, bytes) = ((shown.kind(), shown.device_name()), shown.device_bytes());
-        self.publish(|shown| {
-            shown.activity = Activity::Rendering;
-            shown.is_first |= is_new;
-            shown.is_unseen |= is_new;
-            shown.device = Some(device);
-            shown.stands_in = stands_in;
-            shown.device_bytes = bytes;
-            shown.error = None;
+        let device = self.stand_in.device(renderer);
+        self.publish(|state| {
+            state.stage = Stage::Rendering(match state.stage {
+                _ if is_new => Seen::Nothing,
+                Stage::Rendering(seen) => seen,
+                // Only pictures of full size go on after a rest.
+                Stage::Idle | Stage::Compiling => Seen::Whole,
+            });
+            state.device = Some(device);
+            state.error = None;
         });
         Ok(())
     }
@@ -325,7 +328,7 @@ impl<'a> Worker<'a> {
             self.stand_in.give_way();
             self.show(progress)?;
         } else if stays {
-            self.publish(|shown| shown.progress.done = true);
+            self.publish(|state| state.picture.progress.done = true);
         }
         if progress.done {
             return self.climb();
@@ -335,43 +338,39 @@ impl<'a> Worker<'a> {
 
     /// Goes on with a picture twice as large, or rests.
     fn climb(&mut self) -> Result<(), Failure> {
-        if self.job.as_mut().is_some_and(Job::climb) {
+        if self.job.as_mut().is_some_and(RenderJob::climb) {
             return self.begin();
         }
-        self.publish(|shown| shown.activity = Activity::Idle);
+        self.publish(|state| state.stage = Stage::Idle);
         Ok(())
     }
 
     /// Publishes the picture so far.
     fn show(&mut self, progress: Progress) -> Result<(), Failure> {
-        let (Some(job), Some((_, renderer)), Some(wish)) =
-            (&mut self.job, &mut self.renderer, &self.wish)
+        let (Some(job), Some((_, renderer)), Some(view)) =
+            (&mut self.job, &mut self.renderer, &self.view)
         else {
             return Ok(());
         };
         let start = Instant::now();
-        let (display, softness) = (wish.display, job.softness(progress.samples));
-        let developer = &mut self.developer;
-        let stands_in = self.stand_in.is_some();
+        let (display, softness) = (view.display, job.softness(progress.samples));
+        let transform = &mut self.transform;
         let drawing = self.stand_in.shown(renderer);
-        let image = workers::with_all(|| developer.shoot(drawing, display, softness))?;
-        let backend = drawing.backend();
-        let device = (backend.kind(), backend.device_name());
-        let bytes = backend.device_bytes();
+        let frame = workers::with_all(|| transform.frame(drawing, display, softness))?;
+        let device = self.stand_in.device(renderer);
         self.display = Some(display);
         job.published(start.elapsed());
         let (seconds, is_reduced) = (job.seconds, job.is_reduced());
-        self.publish(|shown| {
-            shown.image = image;
-            shown.version += 1;
-            shown.progress = progress;
-            shown.is_reduced = is_reduced;
-            shown.is_first = is_reduced;
-            shown.is_unseen = false;
-            shown.seconds = seconds;
-            shown.device = Some(device);
-            shown.stands_in = stands_in;
-            shown.device_bytes = bytes;
+        self.publish(|state| {
+            state.show(frame);
+            state.picture.progress = progress;
+            state.picture.is_reduced = is_reduced;
+            state.picture.seconds = seconds;
+            state.stage = Stage::Rendering(match is_reduced {
+                true => Seen::Reduced,
+                false => Seen::Whole,
+            });
+            state.device = Some(device);
         });
         Ok(())
     }
@@ -385,12 +384,9 @@ impl<'a> Worker<'a> {
             return Ok(());
         };
         let shown = self.stand_in.shown(renderer);
-        let image = self.developer.again(shown, display)?;
+        let frame = self.transform.last_frame(shown, display)?;
         self.display = Some(display);
-        self.publish(|shown| {
-            shown.image = image;
-            shown.version += 1;
-        });
+        self.publish(|state| state.show(frame));
         Ok(())
     }
 }

@@ -6,7 +6,7 @@ use egui::{
 };
 
 use super::screen::{DPI_RANGE, MM_PER_INCH, Screen};
-use crate::designer::style;
+use crate::designer::widgets::style;
 
 /// Width of the window's inside, points.
 const WIDTH: f32 = 600.0;
@@ -35,7 +35,8 @@ fn contents(ui: &mut Ui, screen: &mut Screen) -> bool {
     let before = dpi;
     let bar_mm = ruler(ui, &mut dpi);
     ui.label(format!(
-        "Hold a ruler to the screen and drag the bar's right end until the bar is {bar_mm} mm long. Then 1:1 shows the cloth in its real size."
+        "Hold a ruler to the screen and drag the bar's right end until the bar is {bar_mm} mm long. Then 1:1 shows \
+        the cloth in its real size."
     ));
     ui.add_space(6.0);
     ui.horizontal(|ui| {

@@ -2,7 +2,8 @@
 
 use egui::{Key, KeyboardShortcut, Modifiers};
 
-/// Something to do with the view. What changes the design (saving a view, restoring a snapshot) is one step of its history.
+/// Something to do with the view. What changes the design (saving a view, restoring a snapshot) is one step of its
+/// history.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ViewCommand {
     /// Show the cloth as the saved view of this number, from 0, sees it.
@@ -13,7 +14,7 @@ pub enum ViewCommand {
     Orthographic,
     /// Show a millimetre of cloth as a millimetre of screen.
     TrueScale,
-    /// Show or hide the window that tells how large the screen's pixels are.
+    /// Show or hide the window that asks how large the screen's pixels are.
     Calibrate,
     /// Show or hide the scale bar.
     ScaleBar,

@@ -1,5 +1,5 @@
-//! Comparing the picture with an earlier one: a snapshot keeps a picture with its design and camera; a divider that can be
-//! dragged shows the snapshot left of it and the present picture right of it.
+//! Comparing the picture with an earlier one: a snapshot keeps a picture with its design and camera; a divider that can
+//! be dragged shows the snapshot left of it and the present picture right of it.
 
 use std::sync::Arc;
 

@@ -7,10 +7,10 @@ use egui::{
 use glam::DVec2;
 use renderer_core::design::Design;
 
+use super::camera_moves;
 use super::command::KEYS;
 use super::{Area, Viewport};
-use crate::designer::camera_moves;
-use crate::designer::command::Command;
+use crate::designer::shell::command::Command;
 use crate::designer::widgets::arrow_keys;
 
 /// Degrees of orbit for a point of drag.
@@ -25,8 +25,8 @@ const ZOOM_PER_KEY: f64 = 1.2;
 const WHEEL_PER_E: f64 = 300.0;
 
 impl Viewport {
-    /// Turns what happened to the picture since the last frame into camera moves and commands; drags only where they are not
-    /// those of a net's point.
+    /// Turns what happened to the picture since the last frame into camera moves and commands; drags only where they
+    /// are not those of a net's point.
     pub(super) fn gestures(
         &mut self,
         ui: &Ui,
@@ -84,8 +84,8 @@ impl Viewport {
         );
     }
 
-    /// The wheel and pinches zoom to the pointer; two fingers on a trackpad move the cloth, with Alt they turn it, and so
-    /// does twisting them.
+    /// The wheel and pinches zoom to the pointer; two fingers on a trackpad move the cloth, with Alt they turn it, and
+    /// so does twisting them.
     fn scrolls(&mut self, ui: &Ui, response: &Response, picture: &Area) {
         let Some(at) = response.hover_pos() else {
             return;
@@ -115,8 +115,8 @@ impl Viewport {
         }
     }
 
-    /// How far fingers on a trackpad have moved. Not as egui sums it up: with Alt it makes one axis of two, and a wheel's
-    /// smoothing only delays fingers. With Ctrl egui makes a zoom of it, as of the wheel.
+    /// How far fingers on a trackpad have moved. Not as egui sums it up: with Alt it makes one axis of two, and a
+    /// wheel's smoothing only delays fingers. With Ctrl egui makes a zoom of it, as of the wheel.
     fn fingers(&mut self, ui: &Ui) -> Vec2 {
         ui.input(|i| {
             let mut sum = Vec2::ZERO;
@@ -182,8 +182,8 @@ impl Viewport {
     }
 }
 
-/// Whether a scroll comes from fingers on a trackpad, as far as the window system tells: only trackpads scroll by points.
-/// X11 makes lines of everything; there two fingers zoom as a wheel does.
+/// Whether a scroll comes from fingers on a trackpad, as far as the window system says: only trackpads scroll by
+/// points. X11 makes lines of everything; there two fingers zoom as a wheel does.
 fn is_trackpad(unit: MouseWheelUnit, source: MouseWheelSource) -> bool {
     match source {
         MouseWheelSource::Trackpad | MouseWheelSource::Momentum => true,

@@ -1,4 +1,5 @@
-//! The loupe: a circle under the pointer in which every pixel of the picture is a square, [`MAGNIFICATION`] times as large.
+//! The loupe: a circle under the pointer in which every pixel of the picture is a square, [`MAGNIFICATION`] times as
+//! large.
 //!
 //! It shows the picture that is there, not a new one: nothing has to be rendered, the picture goes on getting clearer
 //! under it, and what one sees is what an export of this size would hold.

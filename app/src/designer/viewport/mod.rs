@@ -1,7 +1,8 @@
-//! The viewport: wishes a picture of the document from its camera, shows what the render thread has of it, and turns
+//! The viewport: requests a picture of the document from its camera, shows what the render thread has of it, and turns
 //! gestures into camera moves.
 
 mod calibrate;
+pub mod camera_moves;
 pub mod command;
 mod compare;
 mod gestures;
@@ -23,13 +24,13 @@ use renderer_core::gpu::DeviceWatch;
 use renderer_core::image::Display;
 use renderer_core::render::{Camera, MAX_SIDE};
 
-use super::camera_moves::{self, StandardView};
-use super::command::Command;
-use super::live_light::LiveLight;
-use super::render_thread::{Activity, RenderThread, Shown, Wish};
-use super::renderer::{MakeBackend, for_window};
-use super::style;
 use crate::backend::BackendChoice;
+use crate::designer::render_thread::draft_lighting::LiveLight;
+use crate::designer::render_thread::renderer::{MakeBackend, for_window};
+use crate::designer::render_thread::{RenderThread, Stage, ViewRequest, ViewState};
+use crate::designer::shell::command::Command;
+use crate::designer::widgets::style;
+use camera_moves::StandardView;
 use compare::{Compare, Snapshot};
 use net::NetPoint;
 use overlay::Corner;
@@ -53,14 +54,16 @@ pub struct Viewport {
     choice: BackendChoice,
     /// How often the backend was chosen.
     attempt: u32,
-    shown: Shown,
+    /// What the render thread published last.
+    state: ViewState,
     texture: Option<Texture>,
-    /// The same with square pixels, while the loupe is on.
+    /// The picture with square pixels, while the loupe is on.
     squares: Option<Texture>,
     /// Which picture `texture` and `squares` show.
     versions: [u64; 2],
-    wish: Option<Wish>,
-    /// Size of the picture that is wished, pixels.
+    /// What the render thread was asked for last.
+    requested: Option<ViewRequest>,
+    /// Size of the picture that is requested, pixels.
     size: [u32; 2],
     /// Height of the area on the screen, pixels.
     height_px: f64,
@@ -101,12 +104,12 @@ impl Viewport {
             watch,
             choice,
             attempt: 0,
-            shown: Shown::default(),
+            state: ViewState::default(),
             texture: None,
             squares: None,
             versions: [0; 2],
-            wish: None,
-            // Until the window has told; a design may be opened before.
+            requested: None,
+            // Until the window has a size; a design may be opened before.
             size: [800, 600],
             height_px: 600.0,
             screen: Screen::new(folder),
@@ -120,8 +123,8 @@ impl Viewport {
     }
 
     /// What was last asked of the render thread.
-    pub fn wish(&self) -> Option<&Wish> {
-        self.wish.as_ref()
+    pub fn requested(&self) -> Option<&ViewRequest> {
+        self.requested.as_ref()
     }
 
     /// Which backend is chosen.
@@ -141,8 +144,8 @@ impl Viewport {
     }
 
     /// State of the picture.
-    pub fn shown(&self) -> &Shown {
-        &self.shown
+    pub fn state(&self) -> &ViewState {
+        &self.state
     }
 
     /// Size of the picture, pixels.
@@ -229,11 +232,11 @@ impl Viewport {
     /// Keeps the present picture, its design and its camera, and shows them beside what comes; false if there is no
     /// picture yet.
     pub fn take_snapshot(&mut self, ctx: &Context) -> bool {
-        let (Some(shot), Some(wish)) = (&self.shown.image, &self.wish) else {
+        let (Some(frame), Some(requested)) = (&self.state.picture.frame, &self.requested) else {
             return false;
         };
         let window = self.window.as_ref();
-        let Some(kept) = picture::kept(shot, window) else {
+        let Some(kept) = picture::kept(frame, window) else {
             return false;
         };
         let old = self.compare.snapshot.take().map(|old| old.texture);
@@ -242,10 +245,10 @@ impl Viewport {
             return false;
         };
         self.compare.snapshot = Some(Snapshot {
-            design: Arc::clone(&wish.design),
-            camera: wish.camera.clone(),
+            design: Arc::clone(&requested.design),
+            camera: requested.camera.clone(),
             texture,
-            size: wish.size,
+            size: requested.size,
         });
         self.compare.is_on = true;
         true
@@ -292,7 +295,7 @@ impl Viewport {
         let drags_net = self.drag_net(ui, &response, &area, design, commands);
         self.gestures(ui, &response, &area, design, drags_net, commands);
         if is_valid {
-            self.wish_for(design);
+            self.request(design);
         }
         self.read_out(ui, &response, &area, design);
         self.paint(ui, &response, &area, design);
@@ -303,13 +306,13 @@ impl Viewport {
         let bar = self.scale_bar_mm(&area);
         let bar = bar.map_or_else(String::new, |mm| format!(" · scale bar {mm} mm"));
         response.widget_info(|| WidgetInfo {
-            current_text_value: Some(progress_text(&self.shown) + &bar),
+            current_text_value: Some(progress_text(&self.state) + &bar),
             ..WidgetInfo::labeled(Role::Image, true, "Viewport")
         });
         response.on_hover_cursor(CursorIcon::Grab)
     }
 
-    /// Writes what is to be remembered; an error that tells what is lost if that cannot be.
+    /// Writes what is to be remembered; an error that says what is lost if that cannot be.
     pub fn store_settings(&mut self) -> Result<(), String> {
         self.screen.store()
     }
@@ -327,9 +330,9 @@ impl Viewport {
         }
     }
 
-    /// Stands back where the whole cloth was seen and would be no more because the area has changed from the size `before`,
-    /// say when the chart editor opens beside it; and comes back when there is room again, unless the camera was set
-    /// otherwise meanwhile.
+    /// Stands back where the whole cloth was seen and would be no more because the area has changed from the size
+    /// `before`, say when the chart editor opens beside it; and comes back when there is room again, unless the camera
+    /// was set otherwise meanwhile.
     fn keep_all_in_view(&mut self, design: &Design, before: [u32; 2]) {
         // Nobody has seen anything yet; at true scale size matters more.
         if self.size == before || self.texture.is_none() || self.true_height_mm.is_some() {
@@ -349,9 +352,11 @@ impl Viewport {
         }
     }
 
-    fn wish_for(&mut self, design: &Design) {
-        let known = self.wish.as_ref().filter(|wish| *wish.design == *design);
-        let wish = Wish {
+    /// Asks the render thread for a picture of the design, unless that is what it was asked for last.
+    fn request(&mut self, design: &Design) {
+        let last = self.requested.as_ref();
+        let known = last.filter(|last| *last.design == *design);
+        let request = ViewRequest {
             design: known.map_or_else(|| Arc::new(design.clone()), |w| Arc::clone(&w.design)),
             camera: self.camera.clone(),
             size: self.size,
@@ -360,59 +365,41 @@ impl Viewport {
             attempt: self.attempt,
             light: self.light,
         };
-        if self.wish.as_ref() == Some(&wish) {
-            return;
+        if last != Some(&request) {
+            let same_samples = last.is_some_and(|last| request.has_samples_of(last));
+            self.thread.send(request.clone(), same_samples);
+            self.requested = Some(request);
         }
-        let same_picture = self.wish.as_ref().is_some_and(|last| {
-            let mut design = Design::clone(&last.design);
-            design.view = wish.design.view.clone();
-            design == *wish.design
-                && (
-                    &last.camera,
-                    last.size,
-                    last.choice,
-                    last.attempt,
-                    last.light,
-                ) == (
-                    &wish.camera,
-                    wish.size,
-                    wish.choice,
-                    wish.attempt,
-                    wish.light,
-                )
-        });
-        self.thread.send(wish.clone(), same_picture);
-        self.wish = Some(wish);
     }
 
-    /// Takes what the render thread has to show, and returns what it has to tell. Before anything is laid out, so that a
-    /// frame shows one state.
+    /// Takes what the render thread has to show, and returns news of it. Before anything is laid out, so that a frame
+    /// shows one state.
     pub fn take_news(&mut self, ctx: &Context) -> Option<String> {
-        let told = self.shown.news.0;
-        self.shown = self.thread.shown();
-        let version = self.shown.version;
-        if let Some(shot) = &self.shown.image {
+        let reported = self.state.news.0;
+        self.state = self.thread.state();
+        let version = self.state.picture.version;
+        if let Some(frame) = &self.state.picture.frame {
             let window = self.window.as_ref();
             if self.versions[0] != version {
                 let old = self.texture.take();
-                self.texture = Texture::of(shot, old, ctx, window, Enlarging::Smooth);
+                self.texture = Texture::of(frame, old, ctx, window, Enlarging::Smooth);
                 self.versions[0] = version;
             }
             if self.has_loupe && self.versions[1] != version {
                 let old = self.squares.take();
-                self.squares = Texture::of(shot, old, ctx, window, Enlarging::Pixels);
+                self.squares = Texture::of(frame, old, ctx, window, Enlarging::Pixels);
                 self.versions[1] = version;
             }
         }
-        let (count, news) = &self.shown.news;
-        (*count != told).then(|| news.clone())
+        let (count, news) = &self.state.news;
+        (*count != reported).then(|| news.clone())
     }
 
     fn read_out(&mut self, ui: &Ui, response: &Response, area: &Area, design: &Design) {
         let camera = Camera::from_design(&self.camera);
         let pointer = response.hover_pos().filter(|_| !response.dragged());
         let readout = pointer
-            .zip(self.shown.cloth.as_ref())
+            .zip(self.state.scene.cloth.as_ref())
             .and_then(|(at, cloth)| {
                 Readout::new(design, cloth, &camera, area.pixel(at), area.size)
             });
@@ -449,7 +436,7 @@ impl Viewport {
             &painter,
             rect.shrink(10.0),
             Corner::LeftBottom,
-            &progress_text(&self.shown),
+            &progress_text(&self.state),
         );
         if let Some(mm) = self.scale_bar_mm(area) {
             let length = (mm / self.mm_per_point(area)) as f32;
@@ -488,28 +475,27 @@ impl Area {
     }
 }
 
-/// Samples and time, as the corner of the picture and the status bar tell them.
-pub fn progress_text(shown: &Shown) -> String {
-    if shown.image.is_none() {
-        return match shown.activity {
-            Activity::Idle => String::new(),
-            Activity::Compiling => "Planting loops…".into(),
-            Activity::Rendering => "First picture…".into(),
-        };
+/// Samples and time, as the corner of the picture and the status bar show them.
+pub fn progress_text(state: &ViewState) -> String {
+    let picture = &state.picture;
+    match (state.stage, &picture.frame) {
+        (Stage::Compiling, _) => return "Planting loops…".into(),
+        (Stage::Idle, None) => return String::new(),
+        (Stage::Rendering(_), None) => return "First picture…".into(),
+        (Stage::Idle | Stage::Rendering(_), Some(_)) => {}
     }
-    if shown.activity == Activity::Compiling {
-        return "Planting loops…".into();
+    let seconds = seconds_text(picture.seconds);
+    if picture.is_reduced {
+        return format!("preview · {seconds}");
     }
-    if shown.is_reduced {
-        return format!("preview · {}", seconds_text(shown.seconds));
-    }
-    let samples = shown.progress.samples;
+    let samples = picture.progress.samples;
     let plural = if samples == 1 { "" } else { "s" };
-    let done = if shown.progress.done { " · done" } else { "" };
-    format!(
-        "{samples} sample{plural} · {}{done}",
-        seconds_text(shown.seconds)
-    )
+    let done = if picture.progress.done {
+        " · done"
+    } else {
+        ""
+    };
+    format!("{samples} sample{plural} · {seconds}{done}")
 }
 
 /// `0.42 s`, `12 s`, `3 min 05 s`.

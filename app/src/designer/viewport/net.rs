@@ -6,8 +6,8 @@ use renderer_core::design::{Design, Form, FormKind};
 use renderer_core::render::Camera;
 
 use super::{Area, Viewport};
-use crate::designer::command::Command;
-use crate::designer::style;
+use crate::designer::shell::command::Command;
+use crate::designer::widgets::style;
 
 /// How near to a point the pointer has it, points of the screen.
 const REACH: f32 = 11.0;

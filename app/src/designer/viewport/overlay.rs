@@ -47,8 +47,8 @@ pub fn bar_mm(mm_per_point: f64) -> f64 {
     factor.unwrap_or(1.0) * decade
 }
 
-/// A scale bar of so many mm, `length` points long, in the lower right corner of `rect`. `is_parallel`: the scale holds for
-/// the whole picture, not only for what the camera looks at.
+/// A scale bar of so many mm, `length` points long, in the lower right corner of `rect`. `is_parallel`: the scale holds
+/// for the whole picture, not only for what the camera looks at.
 pub fn scale_bar(painter: &Painter, rect: Rect, mm: f64, length: f32, is_parallel: bool) {
     let place = if is_parallel { "" } else { " in the middle" };
     let text = format!("{mm} mm{place}");

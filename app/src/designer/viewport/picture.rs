@@ -1,11 +1,11 @@
-//! The picture as egui draws it: pixels of egui's own textures, or a texture of the window's device that the renderer draws
-//! into.
+//! The picture as egui draws it: pixels of egui's own textures, or a texture of the window's device that the renderer
+//! draws into.
 
 use std::sync::Arc;
 
 use egui::{TextureHandle, TextureId, TextureOptions};
 
-use crate::designer::renderer::Shot;
+use crate::designer::render_thread::renderer::DisplayFrame;
 
 /// How a picture is enlarged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,7 +16,7 @@ pub enum Enlarging {
     Pixels,
 }
 
-/// A texture that shows a [`Shot`].
+/// A texture that shows a [`DisplayFrame`].
 pub enum Texture {
     /// egui's own.
     Owned(TextureHandle),
@@ -25,9 +25,9 @@ pub enum Texture {
 }
 
 impl Texture {
-    /// A texture that shows `shot`: the old one if that can be made to.
+    /// A texture that shows `frame`: the old one if that can be made to.
     pub fn of(
-        shot: &Shot,
+        frame: &DisplayFrame,
         old: Option<Self>,
         ctx: &egui::Context,
         window: Option<&egui_wgpu::RenderState>,
@@ -37,20 +37,22 @@ impl Texture {
             Enlarging::Smooth => (TextureOptions::LINEAR, wgpu::FilterMode::Linear),
             Enlarging::Pixels => (TextureOptions::NEAREST, wgpu::FilterMode::Nearest),
         };
-        match (shot, old) {
-            (Shot::Pixels(image), Some(Self::Owned(mut texture))) => {
+        match (frame, old) {
+            (DisplayFrame::Pixels(image), Some(Self::Owned(mut texture))) => {
                 texture.set(Arc::clone(image), options);
                 Some(Self::Owned(texture))
             }
-            (Shot::Pixels(image), old) => {
+            (DisplayFrame::Pixels(image), old) => {
                 Self::drop_shared(old, window);
                 let texture = ctx.load_texture("picture", Arc::clone(image), options);
                 Some(Self::Owned(texture))
             }
-            (Shot::Texture(texture), Some(Self::Shared(shown, id))) if *texture == shown => {
+            (DisplayFrame::Texture(texture), Some(Self::Shared(shown, id)))
+                if *texture == shown =>
+            {
                 Some(Self::Shared(shown, id))
             }
-            (Shot::Texture(texture), old) => {
+            (DisplayFrame::Texture(texture), old) => {
                 Self::drop_shared(old, window);
                 let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
                 let window = window?;
@@ -78,10 +80,10 @@ impl Texture {
 }
 
 /// A copy of a picture that stays as it is when the renderer goes on.
-pub fn kept(shot: &Shot, window: Option<&egui_wgpu::RenderState>) -> Option<Shot> {
-    match shot {
-        Shot::Pixels(image) => Some(Shot::Pixels(Arc::clone(image))),
-        Shot::Texture(texture) => {
+pub fn kept(frame: &DisplayFrame, window: Option<&egui_wgpu::RenderState>) -> Option<DisplayFrame> {
+    match frame {
+        DisplayFrame::Pixels(image) => Some(DisplayFrame::Pixels(Arc::clone(image))),
+        DisplayFrame::Texture(texture) => {
             let window = window?;
             let copy = window.device.create_texture(&wgpu::TextureDescriptor {
                 label: Some("snapshot"),
@@ -102,7 +104,7 @@ pub fn kept(shot: &Shot, window: Option<&egui_wgpu::RenderState>) -> Option<Shot
                 texture.size(),
             );
             window.queue.submit([encoder.finish()]);
-            Some(Shot::Texture(copy))
+            Some(DisplayFrame::Texture(copy))
         }
     }
 }

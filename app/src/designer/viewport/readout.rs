@@ -19,8 +19,8 @@ pub struct Readout {
 }
 
 impl Readout {
-    /// What a camera's ray through a pixel meets: the plane, or of bent cloth the surface, through the middle of the pile on the
-    /// side that is seen, since it is loops one points at, not the ground below them.
+    /// What a camera's ray through a pixel meets: the plane, or of bent cloth the surface, through the middle of the
+    /// pile on the side that is seen, since it is loops one points at, not the ground below them.
     pub fn new(
         design: &Design,
         cloth: &Cloth,

@@ -1,7 +1,8 @@
-//! How large the screen's pixels are, for views at true scale, and what else the view remembers from one start to the next.
+//! How large the screen's pixels are, for views at true scale, and what else the view remembers from one start to the
+//! next.
 //!
-//! Window systems do not tell it reliably: they tell a scale factor, from which 96 dots per inch at 100 % is assumed. A
-//! user with a ruler knows better.
+//! Window systems do not report it reliably: they give a scale factor, from which 96 dots per inch at 100 % is assumed.
+//! A user with a ruler knows better.
 
 use std::path::{Path, PathBuf};
 
@@ -53,7 +54,7 @@ impl Screen {
         }
     }
 
-    /// Writes the settings if they have changed; an error that tells what is lost otherwise.
+    /// Writes the settings if they have changed; an error that says what is lost otherwise.
     pub fn store(&mut self) -> Result<(), String> {
         if self.settings == self.stored || self.is_calibrating {
             return Ok(());
@@ -102,7 +103,7 @@ impl Screen {
         self.settings.scale_bar = !self.settings.scale_bar;
     }
 
-    /// Whether to tell how a cloth is turned, moved and zoomed.
+    /// Whether to say how a cloth is turned, moved and zoomed.
     pub fn needs_hint(&self) -> bool {
         !self.settings.knows_gestures
     }

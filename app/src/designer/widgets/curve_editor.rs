@@ -6,7 +6,7 @@ use egui::{
 };
 
 use super::keys::arrow_keys;
-use crate::designer::style;
+use crate::designer::widgets::style;
 
 /// State of an editor: the point that the keyboard moves.
 #[derive(Debug, Clone, Default)]

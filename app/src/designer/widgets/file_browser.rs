@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::designer::style;
+use crate::designer::widgets::style;
 use egui::{
     Align, Align2, Context, Id, Key, Layout, Modal, RichText, ScrollArea, TextEdit, Ui, vec2,
 };

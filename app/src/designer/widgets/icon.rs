@@ -1,4 +1,4 @@
-//! Small pictures on buttons, drawn with lines and areas in one colour, so that they are crisp at every scale and take
+//! Pictures on buttons, drawn with lines and areas in one colour, so that they are crisp at every scale and take
 //! the colour of the text in both themes.
 //!
 //! Each is made of marks on a field of 16 × 16 units, y down, with half a unit of air at the sides.

@@ -3,12 +3,12 @@
 use egui::{Response, Role, Sense, Ui, Vec2, Widget, WidgetInfo, vec2};
 
 use super::icon::Icon;
-use crate::designer::style::ROW_HEIGHT;
+use crate::designer::widgets::style::ROW_HEIGHT;
 
 /// Side of the icon on a button, points.
 const ICON: f32 = 16.0;
 
-/// A button with an icon. It has no text, so its name is what a screen reader says and the tooltip tells what it does.
+/// A button with an icon. It has no text, so its name is what a screen reader says and the tooltip says what it does.
 #[must_use = "add it to a Ui"]
 pub struct IconButton<'a> {
     icon: Icon,

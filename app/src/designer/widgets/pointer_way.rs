@@ -1,8 +1,8 @@
 //! Where the pointer went within a frame.
 //!
-//! A frame of a busy machine holds many events: a press with moves after it, moves before a release, or all of them. egui's
-//! responses tell where the pointer is at its end; who painted by these alone would begin strokes late, cut their corners,
-//! end them early, and miss short ones.
+//! A frame of a busy machine holds many events: a press with moves after it, moves before a release, or all of them.
+//! egui's responses say where the pointer is at its end; who painted by these alone would begin strokes late, cut their
+//! corners, end them early, and miss short ones.
 
 use egui::{Event, PointerButton, Pos2, Response, Ui};
 
@@ -18,8 +18,8 @@ pub struct PointerWay {
 }
 
 impl PointerWay {
-    /// The way of this frame over what `response` is of, from the press there on, or from the beginning where the button
-    /// `is_down_already` since an earlier frame.
+    /// The way of this frame over what `response` is of, from the press there on, or from the beginning where the
+    /// button `is_down_already` since an earlier frame.
     pub fn new(ui: &Ui, response: &Response, is_down_already: bool) -> Self {
         let is_here = |at: Pos2| {
             let is_seen = ui.clip_rect().contains(at) && response.interact_rect.contains(at);
@@ -54,7 +54,7 @@ impl PointerWay {
         if is_down_already && way.places.is_empty() {
             way.places.extend(ui.input(|i| i.pointer.interact_pos()));
         }
-        // The window may have lost the pointer without being told of the release.
+        // The window may have lost the pointer without a report of the release.
         way.ends |= is_down_already && !ui.input(|i| i.pointer.primary_down());
         way
     }

@@ -4,7 +4,7 @@ use egui::{
     Align, CollapsingHeader, Label, Layout, Response, RichText, Sense, Ui, UiBuilder, vec2,
 };
 
-use crate::designer::style::{LABEL_WIDTH, ROW_HEIGHT};
+use crate::designer::widgets::style::{LABEL_WIDTH, ROW_HEIGHT};
 
 /// A label and what `controls` adds behind it. `controls` is given the label's response, to name its widgets by.
 pub fn row<R>(
@@ -47,37 +47,4 @@ pub fn fixed_text(ui: &mut Ui, width: f32, text: RichText) {
         .max_rect(rect)
         .layout(Layout::left_to_right(Align::Center));
     ui.new_child(place).add(Label::new(text).truncate());
-}
-
-/// What a user reads for the name of a field in a file: `yarn_diameter` is "Yarn diameter", and names that only those who
-/// write files know have plainer words.
-pub fn label_of(field: &str) -> String {
-    let plain = match field {
-        "fov" => "Angle of view",
-        "min" => "Shortest",
-        "max" => "Longest",
-        "value" => "Length",
-        "base_width" => "Root width",
-        "root_blend" => "Root fade",
-        "variants" => "Different loops",
-        "lean_x" => "Lean sideways",
-        "lean_y" => "Lean lengthwise",
-        "jitter" => "Lean jitter",
-        "max_albedo" => "Whiteness",
-        "albedo_scale" => "Brightness",
-        "frequency" => "Clumps per mm",
-        "lacunarity" => "Octave fineness",
-        "gain" => "Octave strength",
-        "irradiance" => "Strength",
-        "radiance" => "Brightness",
-        _ => "",
-    };
-    if !plain.is_empty() {
-        return plain.into();
-    }
-    let mut label = field.replace('_', " ");
-    if let Some(first) = label.get_mut(0..1) {
-        first.make_ascii_uppercase();
-    }
-    label
 }

@@ -1,4 +1,4 @@
-//! Small pictures made from data, kept as textures for as long as the data stays the same.
+//! Thumbnails made from data, kept as textures for as long as the data stays the same.
 
 use egui::{ColorImage, Response, Sense, TextureHandle, TextureOptions, Ui, Vec2};
 

@@ -1,9 +1,9 @@
-//! Check boxes, radio buttons and colour wells, outlined: what is inside may be as light or dark as what is around, and then
-//! the outline is all that shows there is something to press.
+//! Check boxes, radio buttons and colour wells, outlined: what is inside may be as light or dark as what is around, and
+//! then the outline is all that shows there is something to press.
 
 use egui::{Response, Stroke, Ui};
 
-use crate::designer::style;
+use crate::designer::widgets::style;
 
 /// A check box. Without a text it is named by its label.
 pub fn check_box(ui: &mut Ui, value: &mut bool, text: impl Into<String>) -> Response {

@@ -15,7 +15,7 @@ pub use report::{bars, csv, section};
 use super::drawing::median;
 use crate::backend::{self, BackendChoice};
 use crate::clock::Spent;
-use crate::designer::first_picture::{Bystander, FirstPicture};
+use crate::designer::first_picture::{FirstPicture, LatencyProbe};
 
 /// Most rounds; every second one takes back the edits of the one before.
 const MOST_ROUNDS: u32 = 6;
@@ -77,7 +77,7 @@ pub fn measure(
         whole: Vec::new(),
         is_partial: true,
     };
-    let mut watch = Bystander::new(Arc::new(backend::make), choice, design, window)?;
+    let mut watch = LatencyProbe::new(Arc::new(backend::make), choice, design, window)?;
     if !watch.rest(deadline)? {
         return Ok(found);
     }
@@ -85,7 +85,7 @@ pub fn measure(
     let choice = choice.for_method(original.quality.method);
     let mut whole = backend::make(choice)?;
     let mut seed = original.quality.seed;
-    let mut one_whole = |watch: &Bystander| {
+    let mut one_whole = |watch: &LatencyProbe| {
         seed = seed.wrapping_add(1);
         watch.whole_sample(&mut *whole, seed, deadline)
     };

@@ -3,16 +3,17 @@
 mod reduce;
 mod yarns;
 
-use egui::{Color32, ColorImage, DragValue, Stroke, Ui, vec2};
+use egui::{Color32, DragValue, Stroke, Ui, vec2};
 use renderer_core::design::chart_edit::YarnCounts;
-use renderer_core::design::{Chart, ChartImage, Design, Fit, OPAQUE_FROM, Sheet};
+use renderer_core::design::{Chart, ChartImage, Design, Fit, Sheet};
 
-pub use yarns::yarn_name;
-
-use super::Surroundings;
 use crate::designer::chart_editor::ChartEditor;
-use crate::designer::command::Command;
-use crate::designer::widgets::{Thumbnail, check, check_box, choice, colour, row, show_thumbnail};
+use crate::designer::document::labels::label_of;
+use crate::designer::panels::choice_row::{check, choice, colour};
+use crate::designer::panels::image_preview::{Picture, reduced};
+use crate::designer::panels::surroundings::Surroundings;
+use crate::designer::shell::command::Command;
+use crate::designer::widgets::{Thumbnail, check_box, row, show_thumbnail};
 
 /// Picture of the chart, its yarns, and the editor.
 #[derive(Default)]
@@ -34,15 +35,6 @@ impl State {
     /// The chart that the cloth shows instead of the design's, while it is tried out.
     pub fn preview(&self, chart: &Chart) -> Option<&ChartImage> {
         self.reduce.preview(chart)
-    }
-}
-
-/// An image by its place in memory: comparing pixels every frame would take longer than making the picture.
-pub struct Picture(pub ChartImage);
-
-impl PartialEq for Picture {
-    fn eq(&self, other: &Self) -> bool {
-        self.0.is(&other.0)
     }
 }
 
@@ -226,7 +218,7 @@ fn layout(ui: &mut Ui, chart: &mut Chart) {
                 (&fields.offset_x, &mut chart.offset_x),
                 (&fields.offset_y, &mut chart.offset_y),
             ] {
-                let label = crate::designer::widgets::label_of(field.name);
+                let label = label_of(field.name);
                 row(ui, &label, field.what, |ui, label| {
                     ui.add(
                         DragValue::new(value)
@@ -252,21 +244,4 @@ fn layout(ui: &mut Ui, chart: &mut Chart) {
             });
         }
     }
-}
-
-/// An image at twice the side it is shown at, points, at most: of a large one every nth pixel. What is bare is grey.
-pub fn reduced(image: &ChartImage, side: usize) -> ColorImage {
-    let step = image.width().max(image.height()).div_ceil(2 * side);
-    let size = [image.width().div_ceil(step), image.height().div_ceil(step)];
-    let pixels = (0..size[0] * size[1])
-        .map(|k| {
-            let [r, g, b, alpha] = image.pixel(k % size[0] * step, k / size[0] * step);
-            if alpha < OPAQUE_FROM {
-                Color32::from_gray(0x98)
-            } else {
-                Color32::from_rgb(r, g, b)
-            }
-        })
-        .collect();
-    ColorImage::new(size, pixels)
 }

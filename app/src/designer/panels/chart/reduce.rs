@@ -10,7 +10,7 @@ use crate::designer::widgets::{row, subheading};
 
 /// What is asked for.
 #[derive(Clone, PartialEq)]
-struct Order {
+struct Reduction {
     image: ChartImage,
     yarns: usize,
     dither: Dither,
@@ -18,7 +18,7 @@ struct Order {
 
 /// What comes out.
 struct Reduced {
-    order: Order,
+    wanted: Reduction,
     yarns: Vec<[u8; 3]>,
     image: ChartImage,
 }
@@ -28,7 +28,7 @@ pub struct State {
     is_open: bool,
     yarns: usize,
     dither: Dither,
-    work: Option<(Order, Task<Reduced>)>,
+    work: Option<(Reduction, Task<Reduced>)>,
     done: Option<Reduced>,
 }
 
@@ -49,7 +49,7 @@ impl State {
     pub fn preview(&self, chart: &Chart) -> Option<&ChartImage> {
         let done = self.done.as_ref().filter(|_| self.is_open)?;
         let pixels = chart.pixels.as_ref()?;
-        done.order.image.is(pixels).then_some(&done.image)
+        done.wanted.image.is(pixels).then_some(&done.image)
     }
 
     fn close(&mut self) {
@@ -80,16 +80,16 @@ pub fn show(ui: &mut Ui, state: &mut State, chart: &mut Chart) -> Option<String>
     }
     subheading(ui, "Reduce to yarns");
     form(ui, state);
-    let order = Order {
+    let wanted = Reduction {
         image,
         yarns: state.yarns,
         dither: state.dither,
     };
-    work(ui.ctx(), state, &order);
+    work(ui.ctx(), state, &wanted);
     swatches(ui, state);
     let mut name = None;
     ui.horizontal(|ui| {
-        let done = state.done.take_if(|done| same(&done.order, &order));
+        let done = state.done.take_if(|done| same(&done.wanted, &wanted));
         let apply = ui.add_enabled(done.is_some(), Button::new("Apply"));
         let is_applied = apply
             .accessible_name("Apply the reduction")
@@ -101,7 +101,7 @@ pub fn show(ui: &mut Ui, state: &mut State, chart: &mut Chart) -> Option<String>
                     1 => "reduce to 1 yarn".into(),
                     yarns => format!("reduce to {yarns} yarns"),
                 });
-                if done.image != order.image {
+                if done.image != wanted.image {
                     put(chart, done.image);
                 }
                 state.close();
@@ -165,12 +165,12 @@ fn form(ui: &mut Ui, state: &mut State) {
     });
 }
 
-fn same(a: &Order, b: &Order) -> bool {
+fn same(a: &Reduction, b: &Reduction) -> bool {
     (a.yarns, a.dither) == (b.yarns, b.dither) && a.image.is(&b.image)
 }
 
 /// Starts what is asked for unless it is at work or done, and takes what is done.
-fn work(ctx: &Context, state: &mut State, order: &Order) {
+fn work(ctx: &Context, state: &mut State, wanted: &Reduction) {
     if let Some((_, task)) = &state.work {
         match task.poll() {
             Poll::Pending => {}
@@ -184,22 +184,22 @@ fn work(ctx: &Context, state: &mut State, order: &Order) {
     let is_done = state
         .done
         .as_ref()
-        .is_some_and(|done| same(&done.order, order));
+        .is_some_and(|done| same(&done.wanted, wanted));
     // One at a time: while a number is dragged, what it was meanwhile is passed over.
     if is_done || state.work.is_some() {
         return;
     }
-    let there = order.clone();
+    let there = wanted.clone();
     let task = Task::start(ctx, move || {
         let yarns = choose_yarns(&there.image, there.yarns);
         let image = reduce_to(&there.image, &yarns, there.dither);
         Reduced {
-            order: there,
+            wanted: there,
             yarns,
             image,
         }
     });
-    state.work = Some((order.clone(), task));
+    state.work = Some((wanted.clone(), task));
 }
 
 fn swatches(ui: &mut Ui, state: &State) {

@@ -5,7 +5,9 @@ use renderer_core::design::chart_edit::{BARE, YarnCount, YarnCounts, replace_yar
 use renderer_core::design::{ChartImage, Colour, Design, LengthEntry};
 
 use crate::designer::chart_editor::work::put;
-use crate::designer::widgets::{colour_value, row, subheading};
+use crate::designer::chart_editor::yarn_name::yarn_name;
+use crate::designer::panels::choice_row::colour_value;
+use crate::designer::widgets::{row, subheading};
 
 /// Height of the list before it scrolls, points.
 const LIST_HEIGHT: f32 = 220.0;
@@ -19,8 +21,8 @@ pub struct State {
     recolouring: Option<Recolouring>,
 }
 
-/// Changing a colour goes on for many frames, through colours that other yarns may have: so it always starts from what was
-/// there before.
+/// Changing a colour goes on for many frames, through colours that other yarns may have: so it always starts from what
+/// was there before.
 struct Recolouring {
     before: ChartImage,
     rows: Vec<LengthEntry>,
@@ -28,12 +30,6 @@ struct Recolouring {
     /// Which of them.
     index: usize,
     to: [u8; 4],
-}
-
-/// What a yarn is called: by its place in the list and its colour.
-pub fn yarn_name(index: usize, colour: [u8; 4]) -> String {
-    let [r, g, b, _] = colour;
-    format!("yarn {}, {}", index + 1, String::from(Colour([r, g, b])))
 }
 
 /// Shows the list. Returns what the history is to call a change made here.

@@ -1,9 +1,8 @@
 //! The stitches: what each is, to paint with; and the pattern as it repeats over the cloth.
 
-use egui::{Button, Color32, Mesh, Rect, RichText, Sense, Shape, Stroke, Ui, Vec2, vec2};
+use egui::{Button, Color32, Mesh, Rect, RichText, Sense, Shape, Stroke, Ui, Vec2, Visuals, vec2};
 use renderer_core::design::{Pattern, STITCHES};
 
-use crate::designer::style;
 use crate::designer::widgets::GridEditor;
 
 /// What a stitch is, in a few words.
@@ -39,7 +38,7 @@ pub(super) fn list(ui: &mut Ui, editor: &mut GridEditor) {
 }
 
 fn brush(ui: &mut Ui, editor: &mut GridEditor, value: u8) {
-    let (ground, ink) = style::stitch_colours(value, ui.visuals());
+    let (ground, ink) = stitch_colours(value, ui.visuals());
     let mut button = Button::new(RichText::new(value.to_string()).color(ink).strong())
         .fill(ground)
         .min_size(vec2(26.0, 22.0));
@@ -76,7 +75,7 @@ pub(super) fn repeat_preview(ui: &mut Ui, pattern: &Pattern) {
 /// Fills a place with the pattern, from its lower left.
 pub(super) fn paint(ui: &Ui, pattern: &Pattern, rect: Rect, side: f32) {
     let colours: [Color32; 10] =
-        std::array::from_fn(|value| style::stitch_colours(value as u8, ui.visuals()).0);
+        std::array::from_fn(|value| stitch_colours(value as u8, ui.visuals()).0);
     let [cols, rows] = [rect.width(), rect.height()].map(|length| (length / side).round() as i64);
     let mut mesh = Mesh::default();
     for row in 0..rows {
@@ -88,4 +87,28 @@ pub(super) fn paint(ui: &Ui, pattern: &Pattern, rect: Rect, side: f32) {
         }
     }
     ui.painter_at(rect).add(Shape::mesh(mesh));
+}
+
+/// Colour of a stitch in the pattern editor, and of its glyph.
+pub(super) fn stitch_colours(value: u8, visuals: &Visuals) -> (Color32, Color32) {
+    let dark = visuals.dark_mode;
+    let ground = match (value, dark) {
+        (0, true) => Color32::from_rgb(0x35, 0x37, 0x3a),
+        (0, false) => Color32::from_rgb(0xf7, 0xf7, 0xf6),
+        (1, true) => Color32::from_rgb(0x5c, 0x60, 0x65),
+        (1, false) => Color32::from_rgb(0xc6, 0xca, 0xce),
+        (7, true) => Color32::from_rgb(0x9a, 0x6a, 0x35),
+        (7, false) => Color32::from_rgb(0xe8, 0xb9, 0x78),
+        (8, true) => Color32::from_rgb(0x3d, 0x64, 0x86),
+        (8, false) => Color32::from_rgb(0x9c, 0xc1, 0xde),
+        (9, true) => Color32::from_rgb(0x57, 0x78, 0x49),
+        (9, false) => Color32::from_rgb(0xae, 0xcf, 0x9d),
+        (_, _) => visuals.error_fg_color,
+    };
+    let glyph = if dark {
+        Color32::from_gray(0xec)
+    } else {
+        Color32::from_gray(0x24)
+    };
+    (ground, glyph)
 }

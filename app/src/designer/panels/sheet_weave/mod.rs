@@ -10,10 +10,11 @@ use renderer_core::design::{
     Anchor, Back, Design, Field, NewCells, Pattern, STITCHES, Sheet, Weave,
 };
 
-use crate::designer::style::{self, ROW_HEIGHT, VALUE_WIDTH};
+use crate::designer::panels::choice_row::choice;
+use crate::designer::panels::number_row::number;
+use crate::designer::widgets::style::{ROW_HEIGHT, VALUE_WIDTH};
 use crate::designer::widgets::{
-    GridAccess, GridCell, GridEditor, GridView, Icon, IconButton, choice, grid_editor, number, row,
-    subheading,
+    GridAccess, GridCell, GridEditor, GridView, Icon, IconButton, grid_editor, row, subheading,
 };
 use legend::stitch_name;
 
@@ -186,7 +187,7 @@ pub fn show_window(ctx: &Context, state: &mut State, design: &mut Design) {
 /// The grid, and the keys that change the whole pattern while it has the focus.
 fn edit(ui: &mut Ui, state: &mut State, weave: &mut Weave, room: Vec2, repeats: bool) {
     let cells = STITCHES.map(|value| {
-        let (ground, ink) = style::stitch_colours(value, ui.visuals());
+        let (ground, ink) = legend::stitch_colours(value, ui.visuals());
         GridCell {
             value,
             ground,

@@ -280,14 +280,14 @@ pub fn grid_editor(
                 .map(|at| canvas.cell(at))
                 .filter(|cell| canvas.has(*cell));
             paint::show(ui, editor, &canvas, &response, cells, grid);
-            tell(ui, &response, name, editor, cells, grid);
+            describe(ui, &response, name, editor, cells, grid);
             response.on_hover_cursor(CursorIcon::Crosshair)
         })
         .inner
 }
 
 /// Gives a screen reader the cell that keys work on.
-fn tell(
+fn describe(
     ui: &Ui,
     response: &Response,
     name: &str,

@@ -10,8 +10,8 @@ use egui::{
 
 use super::canvas::Canvas;
 use super::{Gesture, GridAccess, GridCell, GridEditor, GridTool};
-use crate::designer::style;
 use crate::designer::widgets::shapes::Cell;
+use crate::designer::widgets::style;
 
 /// The grid's colours as a texture, a pixel a cell, and what it was made from.
 #[derive(Default)]

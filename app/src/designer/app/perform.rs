@@ -1,0 +1,169 @@
+//! Carries out commands. What concerns files is in `filing`, presets in `preset_actions`, the view in
+//! `view`.
+
+use std::path::PathBuf;
+
+use egui::Context;
+
+use crate::designer::app::App;
+use crate::designer::export::{Event, Export};
+use crate::designer::shell::command::Command;
+use crate::designer::shell::dialogs::Purpose;
+
+impl App {
+    /// Looks through the design's first camera, the one a file opens with.
+    pub(super) fn look_first(&mut self) {
+        if let Some(camera) = self.document.design.view.cameras.first() {
+            self.viewport.camera = camera.clone();
+        }
+    }
+
+    pub(super) fn perform(&mut self, ctx: &Context, command: Command) {
+        match command {
+            Command::New
+            | Command::Open
+            | Command::OpenPreset(_)
+            | Command::OpenShipped(_)
+            | Command::Quit => self.give_up_document(ctx, command),
+            Command::Save => self.save_again(ctx),
+            Command::SaveAs => self.ask_where_to_save(ctx, Purpose::SavePreset),
+            Command::SaveAsBundle => self.ask_where_to_save(ctx, Purpose::SaveBundle),
+            Command::SaveTo(path) => self.save(ctx, path),
+            Command::Recovery(choice) => self.take_recovery(choice),
+            Command::Presets(command) => self.perform_preset(ctx, command),
+            Command::Scale(percent) => self.set_scale(ctx, percent),
+            Command::ScaleStep(step) => {
+                let percent = self.filing.settings.next_scale(step);
+                self.set_scale(ctx, percent);
+            }
+            Command::Theme(theme) => self.set_theme(ctx, theme),
+            Command::ShowPresets(shows) => self.filing.settings.shows_presets = Some(shows),
+            Command::ClearRecent => self.filing.settings.recent.clear(),
+            Command::Export => {
+                let design = &self.document.design;
+                self.export.open(design, self.viewport.size());
+            }
+            Command::Undo => self.document.undo(),
+            Command::Redo => self.document.redo(),
+            Command::OpenChart => {
+                let folder = self.folder_for(Purpose::OpenChart);
+                self.shell.dialogs.ask(Purpose::OpenChart, &folder, "", ctx);
+            }
+            Command::UseChart(path) => self.load_chart(ctx, path),
+            Command::PasteChart => self.ask_to_paste(ctx),
+            Command::EditChart => self.panels.toggle_chart_editor(),
+            Command::OpenNap => {
+                let folder = self.folder_for(Purpose::OpenNap);
+                self.shell.dialogs.ask(Purpose::OpenNap, &folder, "", ctx);
+            }
+            Command::OpenEnvironment => {
+                let folder = self.folder_for(Purpose::OpenEnvironment);
+                self.shell
+                    .dialogs
+                    .ask(Purpose::OpenEnvironment, &folder, "", ctx);
+            }
+            Command::OpenHeight => {
+                let folder = self.folder_for(Purpose::OpenHeight);
+                self.shell
+                    .dialogs
+                    .ask(Purpose::OpenHeight, &folder, "", ctx);
+            }
+            Command::UseEnvironment(path) => self.load_environment(ctx, path),
+            Command::MoveNetPoint { row, column, to } => {
+                let net = &mut self.document.design.form.net;
+                if let Some(point) = net.get_mut(row).and_then(|row| row.get_mut(column)) {
+                    *point = to;
+                }
+            }
+            Command::Look(camera) => self.viewport.camera = camera,
+            Command::Standard(view) => {
+                let design = &self.document.design;
+                self.viewport.look_standard(view, design);
+            }
+            Command::Fit => self.viewport.fit(&self.document.design),
+            Command::Backend(choice) => self.viewport.choose(choice),
+            Command::LiveLight(light) => self.viewport.light = light,
+            Command::View(command) => self.perform_view(ctx, command),
+            Command::Help => self.shell.help_is_open = !self.shell.help_is_open,
+        }
+    }
+
+    pub(super) fn take_dialog(&mut self, ctx: &Context) {
+        let Some((purpose, path)) = self.shell.dialogs.show(ctx) else {
+            return;
+        };
+        match path {
+            Some(path) => self.take_file(ctx, purpose, path),
+            None => self.take_no_file(),
+        }
+    }
+
+    pub(super) fn start_export(&mut self, ctx: &Context, path: PathBuf) {
+        let document = &self.document;
+        let camera = &self.viewport.camera;
+        let carried = document.carried().clone();
+        self.export
+            .start(path, document.design.clone(), carried, camera, ctx);
+    }
+
+    pub(super) fn take_export(&mut self, ctx: &Context) {
+        match self.export.show(ctx, &self.document.design) {
+            Some(Event::AskForFile(ending)) => {
+                let name = Export::file_name(&self.document.name(), ending);
+                let purpose = match ending {
+                    "exr" => Purpose::ExportExr,
+                    _ => Purpose::ExportPng,
+                };
+                let folder = self.folder_for(purpose);
+                self.shell.dialogs.ask(purpose, &folder, &name, ctx);
+            }
+            Some(Event::Written(path, warnings)) => {
+                let text = path.display().to_string();
+                self.shell.notices.news_of_file("Exported", text, path);
+                if !warnings.is_empty() {
+                    let text = warnings.join("\n");
+                    self.shell
+                        .notices
+                        .error("Exported without a part of the design", text);
+                }
+            }
+            Some(Event::Failed(path, error)) => {
+                let file = path.display().to_string();
+                // Errors of files name them already.
+                let text = match error.contains(&file) {
+                    true => error,
+                    false => format!("{file}: {error}"),
+                };
+                self.shell.notices.error("Not exported", text);
+            }
+            None => {}
+        }
+    }
+
+    pub(super) fn take_dropped_files(&mut self, ctx: &Context) {
+        let dropped = ctx.input(|i| {
+            let files = i.raw.dropped_files.iter();
+            files
+                .map(|file| file.path().to_path_buf())
+                .collect::<Vec<_>>()
+        });
+        for path in dropped {
+            self.take_dropped(path);
+        }
+    }
+
+    /// Whether commands can be carried out. What is being typed counts as soon as its field is left, so that "save"
+    /// saves it: a field that is typed in is left first, and commands wait for the next frame.
+    pub(super) fn is_typing_finished(&self, ctx: &Context) -> bool {
+        let is_typing = !self.shell.commands.is_empty() && ctx.text_edit_focused();
+        if is_typing {
+            ctx.memory_mut(|memory| {
+                if let Some(field) = memory.focused() {
+                    memory.surrender_focus(field);
+                }
+            });
+            ctx.request_repaint();
+        }
+        !is_typing
+    }
+}

@@ -1,0 +1,30 @@
+//! A thumbnail of an image of the design (chart, nap map), made anew when that is another.
+
+use egui::{Color32, ColorImage};
+use renderer_core::design::{ChartImage, OPAQUE_FROM};
+
+/// An image by its place in memory: comparing pixels every frame would take longer than making the picture.
+pub struct Picture(pub ChartImage);
+
+impl PartialEq for Picture {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.is(&other.0)
+    }
+}
+
+/// An image at twice the side it is shown at, points, at most: of a large one every nth pixel. What is bare is grey.
+pub fn reduced(image: &ChartImage, side: usize) -> ColorImage {
+    let step = image.width().max(image.height()).div_ceil(2 * side);
+    let size = [image.width().div_ceil(step), image.height().div_ceil(step)];
+    let pixels = (0..size[0] * size[1])
+        .map(|k| {
+            let [r, g, b, alpha] = image.pixel(k % size[0] * step, k / size[0] * step);
+            if alpha < OPAQUE_FROM {
+                Color32::from_gray(0x98)
+            } else {
+                Color32::from_rgb(r, g, b)
+            }
+        })
+        .collect();
+    ColorImage::new(size, pixels)
+}

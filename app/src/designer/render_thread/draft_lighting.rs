@@ -1,0 +1,61 @@
+//! Which light the viewport shows: estimated bounces, soon clear, or traced ones, as in an export.
+
+use renderer_core::design::Design;
+use renderer_core::render::Settings;
+
+/// First samples whose shadows neighbouring points share: later ones outweigh them after a second or two.
+pub const CACHED_SHADOWS: u32 = 8;
+
+/// How the viewport gets the light of many bounces, and shadows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LiveLight {
+    /// Bounces are estimated after the first scattering, and shadows shared at first, unless the design itself says
+    /// how.
+    #[default]
+    Fast,
+    /// As the design says: what an export shows.
+    True,
+}
+
+impl LiveLight {
+    /// Both, in menu order.
+    pub const ALL: [Self; 2] = [Self::Fast, Self::True];
+
+    /// What menus call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fast => "fast light",
+            Self::True => "true light",
+        }
+    }
+
+    /// What it does.
+    pub fn what(self) -> &'static str {
+        match self {
+            Self::Fast => {
+                "Light that bounces on between the loops is estimated, and shadows are soft at first: clear much \
+                sooner, a little off in brightness and depth. Exports are not affected."
+            }
+            Self::True => "Every shadow and every bounce of light is traced, as in an export.",
+        }
+    }
+
+    /// Whether the two differ for a design: not if it says itself what to estimate and to share, or has nothing of it.
+    pub fn matters(design: &Design) -> bool {
+        let [fast, whole] = [Self::Fast, Self::True].map(|light| light.settings(design));
+        fast.closing_bounce() != whole.closing_bounce()
+            || fast.caches_shadows(0) != whole.caches_shadows(0)
+    }
+
+    /// The settings of a picture of a design with this light.
+    pub fn settings(self, design: &Design) -> Settings {
+        let mut settings = Settings::from(&design.quality);
+        if self == Self::Fast && settings.traced_bounces == 0 {
+            settings.traced_bounces = 1;
+        }
+        if self == Self::Fast && settings.cached_shadows == 0 {
+            settings.cached_shadows = CACHED_SHADOWS;
+        }
+        settings
+    }
+}

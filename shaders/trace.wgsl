@@ -86,8 +86,8 @@ fn lit(at: Scatter, turn: Turn, towards_eye: vec3<f32>, bounce: u32, seed: u32, 
     // `tracked`, and later scatterings, meet the environment where a path escapes, unless it is drawn.
     let closing = CLOSING && bounce == slice.closing_bounce;
     let sky = ENVIRONMENT && (DRAWN_SKY || closing || (METHOD != METHOD_TRACKED && bounce == 1u));
-    let lamps = SUN_COUNT + AREA_COUNT;
-    let lights = lamps + u32(sky);
+    let sources = SUN_COUNT + AREA_COUNT;
+    let lights = sources + u32(sky);
     let cached = CACHED_SHADOWS && sample < slice.cached_shadows;
     var entry = 0u;
     if cached {
@@ -95,16 +95,16 @@ fn lit(at: Scatter, turn: Turn, towards_eye: vec3<f32>, bounce: u32, seed: u32, 
     }
     // The environment is the last light: one body for all, since everything here is inlined.
     for (var i = 0u; i < lights; i++) {
-        let is_lamp = i < lamps;
+        let is_source = i < sources;
         let lamp_set = select(SET_FIRST_AREA + i - SUN_COUNT, i, i < SUN_COUNT);
-        let u = sample_set(seed, sample, set_at(bounce, select(SET_ENVIRONMENT, lamp_set, is_lamp))).xyz;
+        let u = sample_set(seed, sample, set_at(bounce, select(SET_ENVIRONMENT, lamp_set, is_source))).xyz;
         var towards_light: vec3<f32>;
         // By the light itself, and by bounced light that comes evenly from all sides.
         var share: vec3<f32>;
         var even_share: vec3<f32>;
         // Directions by a sky's light see other shadows than those by the phase.
-        let known = entry + i + u32(DRAWN_SKY && !is_lamp && u.x >= PHASE_SHARE);
-        if is_lamp {
+        let known = entry + i + u32(DRAWN_SKY && !is_source && u.x >= PHASE_SHARE);
+        if is_source {
             let light = from_lamp(i, at, u.xy);
             towards_light = sheet_from_world(turn, light.direction);
             share = scattered(at, towards_eye, towards_light) * light.irradiance;

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use renderer_core::design::{Method, Quality, Sampler};
 use renderer_core::image::Picture;
-use renderer_core::render::{BackendKind, Counters, Skip};
+use renderer_core::render::{BackendKind, Counters, Optimisation};
 use tempfile::TempDir;
 use towel_designer::cli::bench::measure::{Character, Findings, Row};
 use towel_designer::cli::bench::pareto::{Point, cheapest, domination, front};
@@ -469,18 +469,18 @@ fn the_plan_has_every_method_and_more_scatterings_where_the_preset_has() {
 #[test]
 fn tiles_that_end_early_are_held_against_none_at_the_same_error_targets() {
     let quality = Quality::default();
-    let skips = [Skip::ConvergedTiles, Skip::OpaqueRays];
+    let skips = [Optimisation::ConvergedTiles, Optimisation::OpaqueRays];
     let of = |skips| targets(&quality, &[quality.method], skips).remove(0);
     let (plain, target) = (of(&[]), of(&skips));
     let new = &target.settings[plain.settings.len()..];
     let kinds: Vec<_> = new.iter().map(|s| (s.without, s.to_error)).collect();
-    let converged = Some(Skip::ConvergedTiles);
+    let converged = Some(Optimisation::ConvergedTiles);
     assert_eq!(
         kinds,
         [
             (None, true),
             (converged, true),
-            (Some(Skip::OpaqueRays), false)
+            (Some(Optimisation::OpaqueRays), false)
         ]
     );
     assert!(new.iter().all(|setting| !setting.is_choice()));

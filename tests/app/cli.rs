@@ -563,7 +563,7 @@ fn bad_arguments_are_refused_with_value_and_what_is_allowed() {
         (2, "-o x.png --aov depth", &["--aov needs an .exr file, but the output is x.png"]),
         (2, "-o x.exr --aov depht", &["'depht'", "depth, normal, albedo, alpha"]),
         (2, "-o x.png --counters", &["--stats"]),
-        (2, "-o x.png --no-skip all", &["--no-skip"]),
+        (2, "-o x.png --no-skip all", &["--no-optimisation"]),
         (2, "-o x.jpg", &["the output is x.jpg, allowed are names that end in .png or .exr"]),
         (2, "-o x", &["the output is x, allowed are names that end in .png or .exr"]),
         (2, "", &["--output"]),

@@ -8,12 +8,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use renderer_core::design::Design;
+use renderer_core::geometry::Camera;
 use renderer_core::image::{Depth, Display, ExrLayer, Picture};
 use renderer_core::render::{
-    Backend, BackendKind, Camera, Counters, Levels, Progress, RenderError, RenderRequest, Settings,
-    Sight,
+    Backend, BackendKind, Counters, Progress, RenderError, RenderRequest, Settings,
 };
 use renderer_core::scene;
+use renderer_core::scene::lod::LodView;
 use tempfile::TempDir;
 use towel_designer::picture_file::{self, Bands, Failure, Format, Order, Standing, TimeLeft};
 
@@ -233,11 +234,10 @@ fn order(size: [u32; 2], samples: u32, format: Format) -> Order {
     let mut small = design.clone();
     (small.sheet.warps, small.sheet.wefts) = (2, 2);
     Order {
-        sight: Sight {
-            scene: Arc::new(scene::compile(&small).unwrap()),
-            camera: Camera::from_design(&design.view.cameras[0]),
-            levels: Levels::default(),
-        },
+        view: LodView::of(
+            Arc::new(scene::compile(&small).unwrap()),
+            Camera::from_design(&design.view.cameras[0]),
+        ),
         size,
         crop: [0, 0, size[0], size[1]],
         settings: Settings {

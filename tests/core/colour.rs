@@ -12,12 +12,13 @@ use palette::white_point::D65;
 use palette::{FromColor, Lab, LinSrgb};
 use rayon::prelude::*;
 use renderer_core::design::{CameraDesign, Colour, Design, Method, Phase, Quality};
-use renderer_core::geometry::Ray;
+use renderer_core::geometry::{Camera, Ray};
 use renderer_core::optics::{Lobe, Optics};
 use renderer_core::reference::{Scratch, Tracer};
-use renderer_core::render::{Camera, Levels, RenderRequest, Settings};
+use renderer_core::render::{RenderRequest, Settings};
 use renderer_core::sampling::{Pcg, directions};
-use renderer_core::scene::escape::{
+use renderer_core::scene::lod::LodView;
+use renderer_core::scene::scattering_orders::{
     BIN_ENDS, BINS, Column, FRAME_LAMBERT, GRADIENT_LAMBERT, ISOTROPIC, KAJIYA_KAY,
 };
 use renderer_core::scene::{
@@ -50,9 +51,7 @@ fn request(scene: Scene, bounces: u32) -> RenderRequest {
         ..CameraDesign::default()
     };
     RenderRequest {
-        scene: Arc::new(scene),
-        camera: Camera::from_design(&camera),
-        levels: Levels::default(),
+        view: LodView::of(Arc::new(scene), Camera::from_design(&camera)),
         size: [SIDE; 2],
         crop: [0, 0, SIDE, SIDE],
         settings: Settings {

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use renderer_core::design::{
     Back, ChartImage, Design, Filter, Fit, LengthMap, NoiseKind, Pattern, Sheared, preset,
 };
-use renderer_core::render::{Skip, Skips};
+use renderer_core::render::{Optimisation, Optimisations};
 use renderer_core::sampling::Pcg;
 use renderer_core::scene::{CellSet, Compiler, PileReach, Scene, compile};
 
@@ -78,7 +78,7 @@ fn frames_of_bare_cells_are_left_out_and_change_nothing() {
     for (what, design) in designs() {
         let (mut some, mut all) = (
             Compiler::default(),
-            Compiler::new(without(Skip::UnplantedLoops)),
+            Compiler::new(without(Optimisation::UnplantedLoops).into()),
         );
         let (a, b) = (
             some.compile(&design).unwrap(),
@@ -104,8 +104,8 @@ fn frames_of_bare_cells_are_left_out_and_change_nothing() {
     }
 }
 
-fn without(skip: Skip) -> Skips {
-    Skips::ALL.without(skip)
+fn without(skip: Optimisation) -> Optimisations {
+    Optimisations::ALL.without(skip)
 }
 
 #[test]
@@ -123,7 +123,7 @@ fn sections_are_kept_unless_told_otherwise_and_that_changes_nothing() {
     let mut design = small_towel();
     let (mut keeping, mut forgetting) = (
         Compiler::default(),
-        Compiler::new(without(Skip::UnchangedSections)),
+        Compiler::new(without(Optimisation::UnchangedSections).into()),
     );
     for (number, edit) in edits.into_iter().enumerate() {
         edit(&mut design);

@@ -6,6 +6,6 @@ mod cloths;
 mod expectation;
 mod far;
 mod instructions;
+mod optimisations;
 mod presets;
 mod scenes;
-mod skips;

@@ -3,9 +3,12 @@
 use glam::{DMat3, DVec3};
 use renderer_core::cpu::CpuBackend;
 use renderer_core::design::{BentAlong, Colour, Design, FormKind, HeightImage, Method, Numbers};
+use renderer_core::geometry::Camera;
 use renderer_core::image::{Picture, metrics};
-use renderer_core::render::{Backend, Camera, RenderRequest};
-use renderer_core::scene::{CompileError, Compiler, FormMesh, Net, ORDERS, compile, net_through};
+use renderer_core::render::{Backend, RenderRequest};
+use renderer_core::scene::{
+    CompileError, Compiler, FormMesh, KUHN_TETRAHEDRA, Net, compile, net_through,
+};
 
 use crate::agreement::{SIZE, Wrong, assert_agree_and_tell, tracked};
 use crate::support::compare::same_as_reference;
@@ -210,8 +213,8 @@ fn turned_requests(method: Method) -> [RenderRequest; 2] {
     turned.light.sun[0].azimuth = sun_there.y.atan2(sun_there.x).to_degrees();
     turned.light.sun[0].elevation = sun_there.z.asin().to_degrees();
     let mut requests = [level, turned].map(|design| request(&design, [48, 40]));
-    let camera = requests[0].camera;
-    requests[1].camera = Camera {
+    let camera = *requests[0].camera();
+    requests[1].view.levels.nearest.camera = Camera {
         eye: turn * camera.eye + shift,
         right: turn * camera.right,
         up: turn * camera.up,
@@ -244,7 +247,7 @@ fn turned_cloth_looks_as_level_cloth_does_from_there() {
             assert!(flips <= 4, "{name}, {}: {flips}", method.name());
             // Without turning the camera little is the same.
             let mut unturned = turned.clone();
-            unturned.camera = level.camera;
+            unturned.view.levels.nearest.camera = *level.camera();
             assert!(differing(&expected, &finish(&mut *backend, &unturned)) > 300);
         }
     }
@@ -298,8 +301,8 @@ fn the_environment_is_that_of_the_world() {
         design.form.kind = FormKind::Net;
         design.form.net = turned_net(&design, turn, DVec3::ZERO);
         let mut request = request(&design, SIZE);
-        let camera = request.camera;
-        request.camera = Camera {
+        let camera = *request.camera();
+        request.view.levels.nearest.camera = Camera {
             eye: turn * camera.eye,
             right: turn * camera.right,
             up: turn * camera.up,
@@ -334,7 +337,7 @@ fn nothing_shines_through_the_seams_of_facets() {
     (camera.elevation, camera.azimuth) = (80.0, 20.0);
     camera.orthographic_height = Some(18.0);
     let request = request(&design, [128, 96]);
-    assert!(request.scene.form.as_ref().unwrap().facets[0] > 4);
+    assert!(request.scene().form.as_ref().unwrap().facets[0] > 4);
     let mut backends: [(&str, Box<dyn Backend>); 2] = [
         ("processor", Box::new(CpuBackend::default())),
         ("gpu", Box::new(exact_gpu())),
@@ -360,8 +363,9 @@ fn cloth_is_bent_and_not_stretched() {
         let middle = -mesh.heights[0] / (mesh.heights[1] - mesh.heights[0]);
         for facet in mesh.all_facets() {
             let at = |x: f64, y: f64| {
-                let shares = DVec3::new(x, y, middle);
-                mesh.tet(facet, FormMesh::order_of(shares)).at(shares)
+                let coordinates = DVec3::new(x, y, middle);
+                mesh.tet(facet, FormMesh::tetrahedron_of(coordinates))
+                    .at(coordinates)
             };
             let lengths = [at(1.0, 0.0) - at(0.0, 0.0), at(0.0, 1.0) - at(0.0, 0.0)];
             let flat = mesh.facet_mm();
@@ -380,13 +384,13 @@ fn cloth_is_bent_and_not_stretched() {
 fn neighbouring_tetrahedra_share_their_faces() {
     let mesh = mesh(&bent(BENDS[6]));
     for facet in mesh.all_facets() {
-        for order in ORDERS {
-            let map = mesh.tet(facet, order);
+        for tetrahedron in KUHN_TETRAHEDRA {
+            let map = mesh.tet(facet, tetrahedron);
             // The corner after the second axis lies in all orders that begin with these two in either order.
-            let mut shares = DVec3::ZERO;
-            (shares[order[0]], shares[order[1]]) = (1.0, 1.0);
-            let swapped = mesh.tet(facet, [order[1], order[0], order[2]]);
-            assert!(map.at(shares).distance(swapped.at(shares)) < 1e-9);
+            let mut coordinates = DVec3::ZERO;
+            (coordinates[tetrahedron[0]], coordinates[tetrahedron[1]]) = (1.0, 1.0);
+            let swapped = mesh.tet(facet, [tetrahedron[1], tetrahedron[0], tetrahedron[2]]);
+            assert!(map.at(coordinates).distance(swapped.at(coordinates)) < 1e-9);
             // The far upper corner is the near upper one of the next facet.
             let next = [facet[0] + 1, facet[1] + 1];
             if mesh.has(next) {
@@ -400,14 +404,14 @@ fn neighbouring_tetrahedra_share_their_faces() {
 #[test]
 fn places_of_the_sheet_are_found_again() {
     let mesh = mesh(&bent(BENDS[0]));
-    let (facet, shares) = ([1, 0], DVec3::new(0.3, 0.6, 0.8));
-    let sheet = mesh.sheet_of(facet, shares);
-    let (found, again) = mesh.shares_of(sheet);
+    let (facet, coordinates) = ([1, 0], DVec3::new(0.3, 0.6, 0.8));
+    let sheet = mesh.sheet_of(facet, coordinates);
+    let (found, again) = mesh.cell_coordinates_of(sheet);
     assert_eq!(found, facet);
-    assert!(again.distance(shares) < 1e-9);
-    assert_eq!(FormMesh::order_of(shares), [2, 1, 0]);
+    assert!(again.distance(coordinates) < 1e-9);
+    assert_eq!(FormMesh::tetrahedron_of(coordinates), [2, 1, 0]);
     let world = mesh.world_of(sheet);
-    assert!(world.distance(mesh.tet(facet, [2, 1, 0]).at(shares)) < 1e-9);
+    assert!(world.distance(mesh.tet(facet, [2, 1, 0]).at(coordinates)) < 1e-9);
     let [low, high] = mesh.bounds();
     assert!(low.cmple(world).all() && world.cmple(high).all());
 }

@@ -13,7 +13,7 @@ use renderer_core::design::{
 use renderer_core::gpu::needs::SceneNeeds;
 use renderer_core::gpu::{DeviceWatch, GpuBackend, GpuContext, wanted_features};
 use renderer_core::image::{Display, Picture};
-use renderer_core::render::{Backend, RenderError, RenderRequest, Settings, Skip};
+use renderer_core::render::{Backend, Optimisation, RenderError, Settings};
 
 use crate::support::compare::shows_something;
 use crate::support::device::{
@@ -213,9 +213,12 @@ fn a_pipeline_with_everything_in_it_draws_the_same() {
         design.quality.method = method;
         let mut request = request(&design, SIZE);
         let special = finish(&mut gpu, &request);
-        request.settings.skips = request.settings.skips.without(Skip::UnusedShading);
+        request.settings.optimisations = request
+            .settings
+            .optimisations
+            .without(Optimisation::UnusedShading);
         let needs = [&request.settings, &Settings::from(&design.quality)]
-            .map(|settings| SceneNeeds::new(&request.scene, settings, false));
+            .map(|settings| SceneNeeds::new(request.scene(), settings, false));
         assert_ne!(needs[0], needs[1]);
         assert_eq!(bits(&finish(&mut gpu, &request)), bits(&special));
     }
@@ -367,9 +370,10 @@ pub fn assert_changes_are_drawn_as_by_a_new_backend(new: &dyn Fn() -> Box<dyn Ba
     let mut design = small_towel();
     let mut compiler = renderer_core::scene::Compiler::default();
     let mut kept = new();
-    let mut made = |design: &Design| RenderRequest {
-        scene: compiler.compile(design).unwrap(),
-        ..request(design, SIZE)
+    let mut made = |design: &Design| {
+        let mut request = request(design, SIZE);
+        request.view.levels.nearest.scene = compiler.compile(design).unwrap();
+        request
     };
     let mut before = finish(kept.as_mut(), &made(&design));
     for (what, edit) in edits {

@@ -6,14 +6,16 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 use renderer_core::cpu::CpuBackend;
 use renderer_core::design::{Colour, Design, Method};
+use renderer_core::geometry::Camera;
 use renderer_core::image::{Picture, metrics};
-use renderer_core::render::{
-    Backend, Camera, ClothMaker, Extent, Fineness, Level, LevelPlan, Levels, RenderRequest,
-};
+use renderer_core::render::{Backend, RenderRequest};
 use renderer_core::sampling::hash;
-use renderer_core::scene::{Cancel, CompileError, Excerpt, Scene, compile};
+use renderer_core::scene::lod::{
+    Level, Levels, LodBudget, LodCloth, LodCompiler, LodPlan, LodRegion, LodSelector, LodView,
+};
+use renderer_core::scene::{Cancel, CompileError, Scene, compile};
 
-use crate::excerpts::{compiled, differing, halved};
+use crate::lod_regions::{at_lod, compiled, differing};
 use crate::support::device::{exact_gpu, finish, reference};
 use crate::support::scenes::{load_design, preset_path, request, small_towel};
 
@@ -29,28 +31,29 @@ fn seen_from(design: &mut Design, distance: f64) -> Camera {
     Camera::from_design(&design.view.cameras[0])
 }
 
-fn cells(plan: &LevelPlan) -> u64 {
-    plan.excerpts.iter().map(Excerpt::len).sum()
+fn cells(plan: &LodPlan) -> u64 {
+    plan.regions.iter().map(LodRegion::len).sum()
 }
 
-fn planned(design: &Design, camera: &Camera, size: [u32; 2], most: Extent) -> LevelPlan {
-    LevelPlan::new(design, camera, size, most, None)
+fn planned(design: &Design, camera: &Camera, size: [u32; 2], most: LodBudget) -> LodPlan {
+    LodPlan::new(design, camera, size, most, None)
 }
 
 /// The request of a plan whose scenes are all the same small one: for asking which level a row shows.
-fn without_scenes(design: &Design, camera: &Camera, size: [u32; 2], plan: &LevelPlan) -> Levels {
+fn without_scenes(design: &Design, camera: &Camera, size: [u32; 2], plan: &LodPlan) -> LodView {
     let mut small = design.clone();
     (small.sheet.warps, small.sheet.wefts) = (2, 2);
     let scene = Arc::new(compile(&small).unwrap());
-    let cloth = renderer_core::render::Cloth {
+    let farther = plan.regions[1..].iter();
+    let farther = farther.map(|_| Arc::clone(&scene)).collect();
+    let cloth = LodCloth {
         plan: plan.clone(),
-        nearest: Arc::clone(&scene),
-        farther: plan.excerpts[1..]
-            .iter()
-            .map(|_| Arc::clone(&scene))
-            .collect(),
+        scenes: Levels {
+            nearest: scene,
+            farther,
+        },
     };
-    cloth.sight(design, camera, size).levels
+    cloth.view(design, camera, size)
 }
 
 #[test]
@@ -61,19 +64,19 @@ fn a_scene_is_as_large_as_its_picture_not_as_the_cloth() {
     let mut most = 0;
     for distance in [20.0, 100.0, 500.0, 2500.0, 1e4, 5e4, 2e5] {
         let camera = seen_from(&mut design, distance);
-        let plan = planned(&design, &camera, size, Extent::FINAL);
+        let plan = planned(&design, &camera, size, LodBudget::FINAL);
         most = most.max(cells(&plan));
         // Near by it is the cloth itself; from afar loops are a quarter as wide as a pixel at most.
-        let first = &plan.excerpts[0];
+        let first = &plan.regions[0];
         let pixel_mm = camera.pixel_mm_at(DVec3::ZERO, size[1]);
         let grown_mm = pitch / first.scale();
         assert!(
-            first.halvings == 0 || grown_mm <= 0.25 * pixel_mm,
+            first.lod == 0 || grown_mm <= 0.25 * pixel_mm,
             "{distance}: {first:?}"
         );
-        assert!(first.halvings > 0 || pixel_mm < 16.0 * pitch, "{distance}");
-        for pair in plan.excerpts.windows(2) {
-            assert_eq!(pair[1].halvings, pair[0].halvings + 1, "{distance}");
+        assert!(first.lod > 0 || pixel_mm < 16.0 * pitch, "{distance}");
+        for pair in plan.regions.windows(2) {
+            assert_eq!(pair[1].lod, pair[0].lod + 1, "{distance}");
         }
     }
     // 64 to 256 cells a pixel and a quarter of that, and what is beside the picture.
@@ -82,18 +85,18 @@ fn a_scene_is_as_large_as_its_picture_not_as_the_cloth() {
     // A cloth of a hundredth of the cells has the same scene.
     let camera = seen_from(&mut design, 40.0);
     let bytes = |design: &Design| {
-        let plan = planned(design, &camera, size, Extent::LIVE);
-        let cloth = ClothMaker::default().make(design, plan, &Cancel::never());
+        let plan = planned(design, &camera, size, LodBudget::LIVE);
+        let cloth = LodCompiler::default().make(design, plan, &Cancel::never());
         let cloth = cloth.unwrap();
         let bytes = |scene: &Arc<Scene>| scene.loops.bytes() + 8 * scene.looks.len();
-        let first = cloth.plan.excerpts[0].cells;
-        (first, cloth.scenes().map(bytes).sum::<usize>())
+        let first = cloth.plan.regions[0].cells;
+        (first, cloth.scenes.iter().map(bytes).sum::<usize>())
     };
     let mut smaller = design.clone();
     (smaller.sheet.warps, smaller.sheet.wefts) = (2496, 2496);
     let ([columns, rows], large) = bytes(&design);
     let (cells, small) = bytes(&smaller);
-    // Excerpts begin at multiples of 32 cells, which lie otherwise.
+    // Regions begin at multiples of 32 cells, which lie otherwise.
     assert!(columns.abs_diff(cells[0]) <= 64 && rows.abs_diff(cells[1]) <= 64);
     assert!(
         (0.5..2.0).contains(&(large as f64 / small as f64)),
@@ -111,7 +114,7 @@ fn views_along_the_cloth_show_what_is_near_as_it_is() {
     for (distance, elevation) in [(200.0, 8.0), (1000.0, 8.0), (1000.0, -20.0), (4000.0, 30.0)] {
         design.view.cameras[0].elevation = elevation;
         let camera = seen_from(&mut design, distance);
-        for most in [Extent::FINAL, Extent::LIVE] {
+        for most in [LodBudget::FINAL, LodBudget::LIVE] {
             let plan = planned(&design, &camera, size, most);
             assert!(cells(&plan) <= most.cells, "{distance}: {}", cells(&plan));
             let rows = without_scenes(&design, &camera, size, &plan).rows(size[1]);
@@ -129,18 +132,17 @@ fn views_along_the_cloth_show_what_is_near_as_it_is() {
                 seen += 1;
                 let (level, share) = rows.of_row(pixel.y as u32);
                 for level in level..=level + usize::from(share > 0.0) {
-                    let excerpt = &plan.excerpts[level];
+                    let region = &plan.regions[level];
                     // What a row shows is there, in each of its levels.
                     for axis in 0..2 {
-                        let cell = (at[axis] / pitch + 5000.0) * excerpt.scale();
-                        let from = f64::from(excerpt.first[axis]);
-                        let to = from + f64::from(excerpt.cells[axis]);
-                        assert!((from..to).contains(&cell), "{excerpt:?} {cell}");
+                        let cell = (at[axis] / pitch + 5000.0) * region.scale();
+                        let from = f64::from(region.first[axis]);
+                        let to = from + f64::from(region.cells[axis]);
+                        assert!((from..to).contains(&cell), "{region:?} {cell}");
                     }
                 }
-                let loop_px =
-                    pitch / plan.excerpts[level].scale() / camera.pixel_mm_at(at, size[1]);
-                if plan.excerpts[level].halvings > 0 {
+                let loop_px = pitch / plan.regions[level].scale() / camera.pixel_mm_at(at, size[1]);
+                if plan.regions[level].lod > 0 {
                     (finest, coarsest) = (finest.min(loop_px), coarsest.max(loop_px));
                 }
             }
@@ -160,8 +162,8 @@ fn small_bent_and_filtered_cloth_is_made_whole() {
     let mut design = endless();
     let camera = seen_from(&mut design, 40.0);
     let needs = |design: &Design| {
-        let plan = LevelPlan::new(design, &camera, [64, 48], Extent::LIVE, None);
-        !plan.excerpts.is_empty()
+        let plan = LodPlan::new(design, &camera, [64, 48], LodBudget::LIVE, None);
+        !plan.regions.is_empty()
     };
     assert!(needs(&design));
     let mut small = design.clone();
@@ -190,14 +192,14 @@ fn small_bent_and_filtered_cloth_is_made_whole() {
 }
 
 #[test]
-fn excerpts_are_kept_while_they_hold_what_is_seen() {
+fn regions_are_kept_while_they_hold_what_is_seen() {
     let mut design = endless();
     let size = [320, 240];
-    let seen = |design: &Design, x: f64, last: Option<&LevelPlan>| {
+    let seen = |design: &Design, x: f64, last: Option<&LodPlan>| {
         let mut view = design.view.cameras[0].clone();
         view.target[0] = x;
         let camera = Camera::from_design(&view);
-        LevelPlan::new(design, &camera, size, Extent::LIVE, last)
+        LodPlan::new(design, &camera, size, LodBudget::LIVE, last)
     };
     seen_from(&mut design, 300.0);
     let first = seen(&design, 0.0, None);
@@ -205,17 +207,17 @@ fn excerpts_are_kept_while_they_hold_what_is_seen() {
     let there = seen(&design, 200.0, Some(&first));
     assert_ne!(there, first);
     assert_eq!(there, seen(&design, 200.0, None));
-    let [near, far] = [&first, &there].map(|plan| &plan.excerpts[0]);
+    let [near, far] = [&first, &there].map(|plan| &plan.regions[0]);
     assert!(!near.holds(far) && near.holds(near));
     // One that is halved more often is not what is seen.
     let mut coarse = first.clone();
-    coarse.excerpts = vec![halved(&design, 4)];
+    coarse.regions = vec![at_lod(&design, 4)];
     assert_eq!(seen(&design, 0.0, Some(&coarse)), first);
     // Beside the cloth something is made all the same, and views along the cloth's plane have an end.
     assert!(cells(&seen(&design, 1e5, None)) > 0);
     for elevation in [0.0, 0.01] {
         design.view.cameras[0].elevation = elevation;
-        assert!(cells(&seen(&design, 0.0, None)) <= Extent::LIVE.cells);
+        assert!(cells(&seen(&design, 0.0, None)) <= LodBudget::LIVE.cells);
     }
 }
 
@@ -227,28 +229,31 @@ fn three_levels() -> (Design, RenderRequest) {
     let view = &mut design.view.cameras[0];
     (view.elevation, view.distance, view.fov) = (14.0, 60.0, 50.0);
     let whole = request(&design, [40, 48]);
-    let level = |halvings: u32| {
-        let excerpt = halved(&design, halvings);
+    let level = |lod: u32| {
+        let region = at_lod(&design, lod);
         Level {
-            scene: compiled(&design, excerpt),
-            camera: excerpt.camera(&design, &whole.camera),
+            scene: compiled(&design, region),
+            camera: region.camera(&design, whole.camera()),
         }
     };
-    let levels = Levels {
-        farther: vec![level(1), level(2)],
+    let view = LodView {
+        levels: Levels {
+            nearest: whole.view.levels.nearest.clone(),
+            farther: vec![level(1), level(2)],
+        },
         // From ¹⁄₆ in the first row to 1 in the last.
-        fineness: Fineness {
+        selector: LodSelector {
             at_top: 0.1,
             down: 0.95,
         },
     };
-    (design, RenderRequest { levels, ..whole })
+    (design, RenderRequest { view, ..whole })
 }
 
 #[test]
 fn rows_show_levels_in_turn() {
     let (_, request) = three_levels();
-    let rows = request.levels.rows(48);
+    let rows = request.view.rows(48);
     let of_rows: Vec<_> = (0..48).map(|row| rows.of_row(row)).collect();
     // From the picture's lower edge up: the first alone, then ever more of the next, without a step.
     assert_eq!(of_rows[47], (0, 0.0));
@@ -261,7 +266,7 @@ fn rows_show_levels_in_turn() {
     assert_eq!(rows.of_rows(0, 47), 0..=2);
     assert_eq!(rows.of_rows(46, 47), 0..=0);
     // A picture without levels has one.
-    assert_eq!(Levels::default().rows(48).of_rows(0, 47), 0..=0);
+    assert_eq!(LodSelector::default().rows(1, 48).of_rows(0, 47), 0..=0);
 }
 
 #[test]
@@ -273,8 +278,8 @@ fn each_level_has_its_share_of_a_row_in_every_renderer() {
     black.pile.max_albedo = 0.02;
     black.chart.colour = Colour([0, 0, 0]);
     black.chart.pixels = None;
-    let excerpt = halved(&black, 1);
-    request.levels.farther[0].scene = compiled(&black, excerpt);
+    let region = at_lod(&black, 1);
+    request.view.levels.farther[0].scene = compiled(&black, region);
     let mut backends: [Box<dyn Backend>; 3] = [
         Box::new(CpuBackend::default()),
         Box::new(reference()),
@@ -285,7 +290,7 @@ fn each_level_has_its_share_of_a_row_in_every_renderer() {
         let pixels = &picture.pixels[row * 40..][..40];
         pixels.iter().map(|pixel| f64::from(pixel[1])).sum::<f64>() / 40.0
     };
-    let rows = request.levels.rows(48);
+    let rows = request.view.rows(48);
     for backend in &mut backends {
         let name = backend.kind().name();
         let picture = finish(&mut **backend, &request);
@@ -313,7 +318,7 @@ fn renderers_draw_the_same_level_in_each_sample() {
     (request.settings.samples, request.settings.aov) = (2, true);
     let expected = finish(&mut reference(), &request);
     let mut other = request.clone();
-    other.levels.fineness.at_top += 0.1;
+    other.view.selector.at_top += 0.1;
     let backends: [&mut dyn Backend; 2] = [&mut CpuBackend::default(), &mut exact_gpu()];
     for backend in backends {
         let name = backend.kind().name();
@@ -378,7 +383,7 @@ fn depth_is_that_of_the_cloth_at_every_level() {
         let mut met = 0;
         for (index, &depth) in depths.iter().enumerate() {
             let pixel = DVec2::new((index % 40) as f64 + 0.5, (index / 40) as f64 + 0.5);
-            let (origin, direction) = request.camera.ray(pixel, [40, 48]);
+            let (origin, direction) = request.camera().ray(pixel, [40, 48]);
             // Between the planes that hold all of the coarsest pile.
             let [near, far] = [height_mm, -height_mm].map(|z| (z - origin.z) / direction.z);
             if picture.pixels[index][3] < 1.0 || far < 0.0 {
@@ -406,18 +411,19 @@ fn zooming_jumps_no_more_than_without_levels() {
     let pitch = design.sheet.pitch_x().max(design.sheet.pitch_y());
     let size = [24, 24];
     let whole = Arc::new(compile(&design).unwrap());
-    let mut maker = ClothMaker::default();
+    let mut maker = LodCompiler::default();
     // From 12 to 24 cells a pixel: from two levels to the next two.
     let frames = (0..15).map(|k| 12.0 * 1.05_f64.powi(k) * pitch * 24.0);
-    let mut halvings = Vec::new();
+    let mut lod = Vec::new();
     let mut pictures = frames.map(|height| {
         design.view.cameras[0].orthographic_height = Some(height);
         let shown = request_by(&mut maker, &design, size);
-        halvings.push(shown.scene.sheet.excerpt.unwrap().halvings);
+        lod.push(shown.scene().sheet.region.unwrap().lod);
         let whole = RenderRequest {
-            scene: Arc::clone(&whole),
-            camera: Camera::from_design(&design.view.cameras[0]),
-            levels: Levels::default(),
+            view: LodView::of(
+                Arc::clone(&whole),
+                Camera::from_design(&design.view.cameras[0]),
+            ),
             ..shown.clone()
         };
         [whole, shown].map(|request| finish(&mut CpuBackend::default(), &request))
@@ -430,7 +436,7 @@ fn zooming_jumps_no_more_than_without_levels() {
         largest = [0, 1].map(|side| largest[side].max(jumps[side]));
         last = picture;
     }
-    assert_eq!((halvings[0], *halvings.last().unwrap()), (0, 1));
+    assert_eq!((lod[0], *lod.last().unwrap()), (0, 1));
     let [without, with] = largest;
     eprintln!("jumps: {without:.4} without, {with:.4} with levels");
     // Found: 0.1672 and 0.1673. The largest of fourteen noisy changes is known to a few hundredths of itself.
@@ -438,9 +444,9 @@ fn zooming_jumps_no_more_than_without_levels() {
 }
 
 /// A picture of a design's first camera.
-fn request_by(maker: &mut ClothMaker, design: &Design, size: [u32; 2]) -> RenderRequest {
+fn request_by(maker: &mut LodCompiler, design: &Design, size: [u32; 2]) -> RenderRequest {
     let camera = Camera::from_design(&design.view.cameras[0]);
-    let (extent, never) = (Extent::FINAL, Cancel::never());
-    let sight = renderer_core::render::Sight::new(maker, design, &camera, size, extent, &never);
-    sight.unwrap().request(size, (&design.quality).into())
+    let (extent, never) = (LodBudget::FINAL, Cancel::never());
+    let view = LodView::new(maker, design, &camera, size, extent, &never);
+    RenderRequest::new(view.unwrap(), size, (&design.quality).into())
 }

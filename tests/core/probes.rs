@@ -2,8 +2,8 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
-use renderer_core::design::Sampler;
 use renderer_core::geometry::{LoopFrame, Root};
+use renderer_core::sampling::Sampler;
 use renderer_core::sampling::{self, Pcg, Set};
 
 use crate::support::patches::{Case, Random, THICKNESS, answered, asked, truth};

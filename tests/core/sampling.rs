@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
-use renderer_core::design::Sampler;
+use renderer_core::sampling::Sampler;
 use renderer_core::sampling::{
     Pcg, RUN, SCRAMBLES, Set, directions, hash, owen_bits, pixel_seed, sample, samples_of,
     scramble_of, sobol, unit_float,

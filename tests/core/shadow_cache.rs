@@ -6,11 +6,12 @@ use std::sync::Arc;
 use glam::DVec3;
 use renderer_core::cpu::CpuBackend;
 use renderer_core::design::{AreaLight, Colour, Design, Method};
+use renderer_core::geometry::{Camera, Projection};
 use renderer_core::image::{Picture, metrics};
 use renderer_core::render::shadow_cache::{ShadowGrid, TEXEL_PX};
-use renderer_core::render::{Backend, Camera, Counters, Projection, RenderRequest};
+use renderer_core::render::{Backend, Counters, RenderRequest};
 use renderer_core::sampling::Pcg;
-use renderer_core::scene::compile;
+use renderer_core::scene::{Scene, compile};
 
 use crate::support::device::{exact_gpu, finish};
 use crate::support::scenes::{request, small_towel};
@@ -222,7 +223,7 @@ fn a_moved_camera_finds_what_was_learned_and_another_cloth_or_light_nothing() {
         let mut cached = |request: &RenderRequest| draw(backend, request).1.cached_rays;
 
         let mut moved = first.clone();
-        moved.camera.eye.x += 0.3;
+        moved.view.levels.nearest.camera.eye.x += 0.3;
         assert!(cached(&moved) > 500, "{name}");
         // Colours throw no shadows.
         let mut red = small_towel();
@@ -233,24 +234,22 @@ fn a_moved_camera_finds_what_was_learned_and_another_cloth_or_light_nothing() {
             let mut design = red.clone();
             edit(&mut design);
             let mut compiled = with_counters(&design);
-            compiled.camera = request.camera;
+            compiled.view.levels.nearest.camera = *request.camera();
             compiled
         };
-        let dyed = RenderRequest {
-            scene: Arc::new({
-                let mut scene = (*first.scene).clone();
-                scene.looks = other(&first, |_| {}).scene.looks.clone();
-                scene
-            }),
-            ..first.clone()
-        };
+        let mut scene = Scene::clone(first.scene());
+        scene.looks = other(&first, |_| {}).scene().looks.clone();
+        let mut dyed = first.clone();
+        dyed.view.levels.nearest.scene = Arc::new(scene);
         assert!(cached(&dyed) > 500, "{name}");
         // Pictures of several seeds are averaged, and must not have learned from each other; another method sees other
         // shadows, and other texels have other numbers.
         for edit in [
             (|request| request.settings.seed += 1) as fn(&mut RenderRequest),
             |request| request.settings.method = Method::Layered,
-            |request| request.camera.projection = Projection::Perspective { fov: 0.1 },
+            |request| {
+                request.view.levels.nearest.camera.projection = Projection::Perspective { fov: 0.1 }
+            },
         ] {
             let mut edited = first.clone();
             edit(&mut edited);

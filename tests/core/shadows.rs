@@ -27,7 +27,7 @@ fn without_shadows_every_point_has_all_its_light() {
         design.quality.method = method;
         let mut request = request(&design, [40, 32]);
         request.settings.aov = true;
-        let lights = &request.scene.lights;
+        let lights = &request.scene().lights;
         // albedo/4π of every sun's irradiance, and the albedo's share of the environment's radiance from all sides.
         let light = [0, 1, 2].map(|c| {
             let suns: f64 = lights.suns.iter().map(|sun| sun.irradiance[c]).sum();

@@ -11,7 +11,7 @@ const SHEET: SheetGeometry = SheetGeometry {
     wefts: 6,
     pitch_x_mm: 0.8,
     pitch_y_mm: 0.6,
-    excerpt: None,
+    region: None,
 };
 
 fn skeleton(rows: &[&[u8]], design: &SkeletonDesign) -> Skeleton {

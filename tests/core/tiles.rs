@@ -8,10 +8,11 @@ use std::time::Duration;
 use glam::{DVec2, DVec3};
 use renderer_core::cpu::CpuBackend;
 use renderer_core::design::{CameraDesign, Colour, Design};
+use renderer_core::geometry::Camera;
 use renderer_core::gpu::GpuBackend;
 use renderer_core::image::Picture;
 use renderer_core::render::{
-    Backend, Camera, Counters, Progress, RenderRequest, Skip, background_tiles, cloth_box,
+    Backend, Counters, Optimisation, Progress, RenderRequest, background_tiles, cloth_box,
 };
 use renderer_core::sampling::Pcg;
 
@@ -41,9 +42,9 @@ fn backends() -> (GpuBackend, CpuBackend) {
     (gpu(), CpuBackend::default())
 }
 
-fn without(request: &RenderRequest, skip: Skip) -> RenderRequest {
+fn without(request: &RenderRequest, skip: Optimisation) -> RenderRequest {
     let mut request = request.clone();
-    request.settings.skips = request.settings.skips.without(skip);
+    request.settings.optimisations = request.settings.optimisations.without(skip);
     request
 }
 
@@ -95,7 +96,7 @@ fn tiles_of_background_are_what_tracing_makes_of_them() {
             let mut request = request(&far_towel(background), [100, 83]);
             (request.settings.counters, request.settings.aov) = (true, true);
             let (on, skipped, progress) = draw(backend, &request);
-            let (off, traced, _) = draw(backend, &without(&request, Skip::BackgroundTiles));
+            let (off, traced, _) = draw(backend, &without(&request, Optimisation::BackgroundTiles));
             assert_eq!(progress.samples, 5);
             // 42 tiles of 5 samples.
             assert!(skipped.skipped_tiles.is_multiple_of(5), "{skipped:?}");
@@ -114,11 +115,12 @@ fn tiles_of_background_are_what_tracing_makes_of_them() {
                     );
                 }
             }
-            let estimates = [&request, &without(&request, Skip::BackgroundTiles)].map(|request| {
-                let mut request = request.clone();
-                request.settings.samples = 16;
-                draw(backend, &request).2.error_estimate.unwrap()
-            });
+            let estimates =
+                [&request, &without(&request, Optimisation::BackgroundTiles)].map(|request| {
+                    let mut request = request.clone();
+                    request.settings.samples = 16;
+                    draw(backend, &request).2.error_estimate.unwrap()
+                });
             let [on, off] = estimates;
             assert!((on / off - 1.0).abs() < 1e-5, "{name}: {on} {off}");
         }
@@ -134,7 +136,7 @@ fn a_picture_of_background_is_done_at_once() {
     let (mut gpu, mut cpu) = backends();
     for backend in [&mut gpu as &mut dyn Backend, &mut cpu] {
         let (picture, counters, progress) = draw(backend, &request);
-        let [r, g, b] = request.scene.lights.background.map(|c| c as f32);
+        let [r, g, b] = request.scene().lights.background.map(|c| c as f32);
         assert!(picture.pixels.iter().all(|pixel| *pixel == [r, g, b, 0.0]));
         assert_eq!((counters.rays, counters.skipped_tiles), (0, 6 * 5));
         assert_eq!((progress.samples, progress.error_estimate), (5, Some(0.0)));
@@ -172,7 +174,7 @@ fn meets((origin, direction): (DVec3, DVec3), [low, high]: [DVec3; 2]) -> bool {
 
 /// Tiles among `found` through which a ray meets the box; and tiles that were not found though no ray comes near it.
 fn wrong_tiles(request: &RenderRequest, found: &[bool]) -> [u32; 2] {
-    let [low, high] = cloth_box(&request.scene);
+    let [low, high] = cloth_box(request.scene());
     let wide = [low - 0.1, high + 0.1];
     let columns = request.crop[2].div_ceil(TILE as u32);
     let mut wrong = [0; 2];
@@ -181,7 +183,7 @@ fn wrong_tiles(request: &RenderRequest, found: &[bool]) -> [u32; 2] {
         let places = (0..17 * 17).map(|k| DVec2::new(f64::from(k % 17), f64::from(k / 17)));
         let rays = places.map(|place| {
             let pixel = DVec2::from_array(corner) + place;
-            request.camera.ray(pixel, request.size)
+            request.camera().ray(pixel, request.size)
         });
         let rays: Vec<_> = rays.collect();
         wrong[0] += u32::from(is_background && rays.iter().any(|ray| meets(*ray, [low, high])));
@@ -195,7 +197,7 @@ fn exactly_the_tiles_without_cloth_are_found() {
     let mut request = request(&small_towel(), [160, 128]);
     let (mut tiles, mut background, mut shifted) = (0, 0, 0);
     for camera in cameras() {
-        request.camera = Camera::from_design(&camera);
+        request.view.levels.nearest.camera = Camera::from_design(&camera);
         let found = background_tiles(&request, TILE as u32);
         tiles += found.len();
         background += found.iter().filter(|is| **is).count();

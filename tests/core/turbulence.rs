@@ -12,7 +12,7 @@ fn sheet(cells: u32, pitch_mm: f64) -> SheetGeometry {
         wefts: cells,
         pitch_x_mm: pitch_mm,
         pitch_y_mm: pitch_mm,
-        excerpt: None,
+        region: None,
     }
 }
 

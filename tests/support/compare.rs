@@ -4,9 +4,10 @@
 use glam::{DVec2, DVec3};
 
 use renderer_core::design::Method;
+use renderer_core::geometry::Projection;
 use renderer_core::image::Picture;
 use renderer_core::reference::{Scratch, Tracer};
-use renderer_core::render::{Projection, RenderRequest};
+use renderer_core::render::RenderRequest;
 
 /// Differences up to this are rounding: a path is a few hundred f32 operations of relative error 6e-8 on lengths of some
 /// mm; a voxel of a dense loop (10/mm, 0.06 mm a voxel) turns 1e-5 mm into 1e-4 of a value near 1, and a mean of a
@@ -102,15 +103,15 @@ pub fn nudges(request: &RenderRequest) -> impl Iterator<Item = RenderRequest> {
         (0..NUDGE_DIRECTIONS).map(move |k| {
             let angle = f64::from(k) * std::f64::consts::TAU / f64::from(NUDGE_DIRECTIONS);
             let mut moved = request.clone();
-            moved.camera = nudge(request, DVec2::from_angle(angle) * by);
+            moved.view.levels.nearest.camera = nudge(request, DVec2::from_angle(angle) * by);
             moved
         })
     })
 }
 
 /// The camera whose rays are those of `offset` pixels away.
-fn nudge(request: &RenderRequest, offset: DVec2) -> renderer_core::render::Camera {
-    let mut camera = request.camera;
+fn nudge(request: &RenderRequest, offset: DVec2) -> renderer_core::geometry::Camera {
+    let mut camera = *request.camera();
     let height = f64::from(request.size[1]);
     match camera.projection {
         Projection::Orthographic { height_mm } => {

@@ -44,7 +44,7 @@ pub fn same_picture(
         return Err(format!("sizes {:?} and {:?}", expected.size, picture.size));
     }
     let width = expected.size[0];
-    let same_in_the_dark = SAME * rounding_of(&request.scene).max(1.0);
+    let same_in_the_dark = SAME * rounding_of(request.scene()).max(1.0);
     let (mut squares, mut sum, mut close, mut flips) = (0.0, 0.0, 0, Vec::new());
     for (index, (a, b)) in (0_u32..).zip(expected.pixels.iter().zip(&picture.pixels)) {
         if !b.iter().all(|value| value.is_finite()) {

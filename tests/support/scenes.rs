@@ -6,8 +6,10 @@ use renderer_core::design::{
     Back, ChartImage, Design, EnvironmentImage, EnvironmentReader, HeightImage, Method, Pattern,
     preset,
 };
-use renderer_core::render::{Camera, ClothMaker, Extent, RenderRequest, Settings, Sight};
+use renderer_core::geometry::Camera;
+use renderer_core::render::{RenderRequest, Settings};
 use renderer_core::scene::Cancel;
+use renderer_core::scene::lod::{LodBudget, LodCompiler, LodView};
 
 /// A towel of 12 × 10 crossings in several colours of loop, some left bare, with thin yarns that leave gaps.
 pub fn small_towel() -> Design {
@@ -29,11 +31,11 @@ pub fn small_towel() -> Design {
 /// A picture of a design by its first camera.
 pub fn request(design: &Design, size: [u32; 2]) -> RenderRequest {
     let camera = Camera::from_design(&design.view.cameras[0]);
-    let (extent, never) = (Extent::LIVE, Cancel::never());
-    let mut maker = ClothMaker::default();
-    let sight = Sight::new(&mut maker, design, &camera, size, extent, &never);
+    let (extent, never) = (LodBudget::LIVE, Cancel::never());
+    let mut maker = LodCompiler::default();
+    let view = LodView::new(&mut maker, design, &camera, size, extent, &never);
     let settings = Settings::from(&design.quality);
-    sight.unwrap().request(size, settings)
+    RenderRequest::new(view.unwrap(), size, settings)
 }
 
 /// A shipped preset.

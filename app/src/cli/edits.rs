@@ -12,8 +12,10 @@ use std::time::Duration;
 use anyhow::anyhow;
 use clap::Args;
 use renderer_core::design::{Design, Method};
-use renderer_core::render::{Backend, Camera, Levels, RenderRequest, Settings};
+use renderer_core::geometry::Camera;
+use renderer_core::render::{Backend, RenderRequest, Settings};
 use renderer_core::scene::Compiler;
+use renderer_core::scene::lod::LodView;
 use serde::Serialize;
 
 use super::arguments;
@@ -102,9 +104,7 @@ impl Session {
         let scene = timed(&mut compile, || self.compiler.compile(design))?;
         let [width, height] = self.size;
         let request = RenderRequest {
-            scene: Arc::clone(&scene),
-            camera,
-            levels: Levels::default(),
+            view: LodView::of(Arc::clone(&scene), camera),
             size: self.size,
             crop: [0, 0, width, height],
             settings: Settings {

@@ -10,8 +10,10 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use renderer_core::design::{Design, Method, Quality};
+use renderer_core::geometry::Camera;
 use renderer_core::image::{Background, Depth, Display, ExrLayer};
-use renderer_core::render::{Camera, ClothMaker, Extent, LevelPlan, Settings, Skip, Skips};
+use renderer_core::render::{Optimisation, Optimisations, Settings};
+use renderer_core::scene::lod::{LodBudget, LodCompiler, LodPlan};
 use renderer_core::scene::{self, Cancel, Compiler};
 
 use super::stats::{Bytes, Seconds, Stats, cloth_bytes};
@@ -80,8 +82,8 @@ pub struct RenderArguments {
     #[arg(long, requires = "stats")]
     counters: bool,
     /// Do work that is else left out where it cannot be seen, to compare time and picture; may be given several times.
-    #[arg(long, value_name = "NAME")]
-    no_skip: Vec<Skip>,
+    #[arg(long, alias = "no-skip", value_name = "NAME")]
+    no_optimisation: Vec<Optimisation>,
     /// Print nothing but errors.
     #[arg(long)]
     quiet: bool,
@@ -120,8 +122,8 @@ pub fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
     }
     seconds.open = start.elapsed().as_secs_f64();
 
-    let mut maker = ClothMaker::new(Compiler::new(skips(arguments)));
-    let plan = LevelPlan::new(design, &camera, arguments.size, Extent::FINAL, None);
+    let mut maker = LodCompiler::new(Compiler::new(optimisations(arguments).into()));
+    let plan = LodPlan::new(design, &camera, arguments.size, LodBudget::FINAL, None);
     let cloth = timed(&mut seconds.compile, || {
         maker.make(design, plan, &Cancel::never())
     })?;
@@ -129,14 +131,14 @@ pub fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
         for warning in &opened.warnings {
             eprintln!("warning: {warning}");
         }
-        for warning in scene::warnings(design, &cloth.nearest) {
+        for warning in scene::warnings(design, &cloth.scenes.nearest) {
             eprintln!("warning: {warning}");
         }
     }
 
     let [width, height] = arguments.size;
     let order = Order {
-        sight: cloth.sight(design, &camera, arguments.size),
+        view: cloth.view(design, &camera, arguments.size),
         size: arguments.size,
         crop: arguments.crop.unwrap_or([0, 0, width, height]),
         settings: settings(design, arguments, &format),
@@ -206,7 +208,7 @@ pub fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
             nonfinite_pixels,
             bytes: Bytes {
                 scene: cloth_bytes(&cloth),
-                per_loop: cloth.nearest.loops.bytes_per_loop(),
+                per_loop: cloth.scenes.nearest.loops.bytes_per_loop(),
                 gpu_total: match kind {
                     renderer_core::render::BackendKind::Gpu => made.device_bytes,
                     _ => 0,
@@ -309,15 +311,15 @@ fn settings(design: &Design, arguments: &RenderArguments, format: &Format) -> Se
         shadows: preset.shadows,
         aov: matches!(format, Format::Exr(layers) if layers.iter().any(|l| *l != ExrLayer::Alpha)),
         counters: arguments.counters,
-        skips: skips(arguments),
+        optimisations: optimisations(arguments),
         cached_shadows: preset.cached_shadows,
     }
 }
 
 /// The work to leave out.
-fn skips(arguments: &RenderArguments) -> Skips {
-    let no_skip = arguments.no_skip.iter();
-    no_skip.fold(Skips::ALL, |skips, &skip| skips.without(skip))
+fn optimisations(arguments: &RenderArguments) -> Optimisations {
+    let off = arguments.no_optimisation.iter();
+    off.fold(Optimisations::ALL, |all, &one| all.without(one))
 }
 
 /// The progress bar: drawn on stderr, and only if that is a terminal.

@@ -1,6 +1,7 @@
 //! The file that `render --stats` writes: what was rendered, with what, how long each part took, and how good it is.
 
-use renderer_core::render::{Cloth, Counters};
+use renderer_core::render::Counters;
+use renderer_core::scene::lod::LodCloth;
 use renderer_core::scene::{CompileReport, Scene, StageSeconds};
 use serde::Serialize;
 
@@ -152,10 +153,10 @@ impl From<Counters> for CountersJson {
 }
 
 /// Bytes of all records of a cloth's levels, which share their volumes.
-pub fn cloth_bytes(cloth: &Cloth) -> u64 {
-    let farther = cloth.farther.iter();
+pub fn cloth_bytes(cloth: &LodCloth) -> u64 {
+    let farther = cloth.scenes.farther.iter();
     let farther = farther.map(|scene| scene.loops.bytes() + size_of_val(scene.looks.as_slice()));
-    scene_bytes(&cloth.nearest) + farther.sum::<usize>() as u64
+    scene_bytes(&cloth.scenes.nearest) + farther.sum::<usize>() as u64
 }
 
 /// Bytes of all records of a scene.

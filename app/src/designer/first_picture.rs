@@ -12,8 +12,9 @@ use std::time::{Duration, Instant};
 
 use anyhow::anyhow;
 use renderer_core::design::{CameraDesign, Design};
+use renderer_core::geometry::Camera;
 use renderer_core::image::Display;
-use renderer_core::render::{Backend, Camera};
+use renderer_core::render::{Backend, RenderRequest};
 
 use super::render_thread::renderer::for_window;
 use super::render_thread::{RenderThread, Stage, workers};
@@ -175,8 +176,8 @@ impl LatencyProbe {
         settings.seed = seed;
         let cloth = cloth.ok_or_else(|| anyhow!("nothing was shown"))?;
         let camera = Camera::from_design(&self.view.camera);
-        let sight = cloth.sight(&self.view.design, &camera, size);
-        let request = sight.request(size, settings);
+        let view = cloth.view(&self.view.design, &camera, size);
+        let request = RenderRequest::new(view, size, settings);
         workers::with_all(|| backend.begin(&request))?;
         let never = AtomicBool::new(false);
         let mut spent = Spent::zero();

@@ -20,7 +20,8 @@ use renderer_core::image::{
     write_exr_rows, write_png_rows,
 };
 use renderer_core::render::progressive::check_size;
-use renderer_core::render::{Backend, Counters, RenderError, RenderRequest, Settings, Sight};
+use renderer_core::render::{Backend, Counters, RenderError, RenderRequest, Settings};
+use renderer_core::scene::lod::LodView;
 
 use crate::clock::{Spent, timed};
 use crate::files::{self, Draft, FileError};
@@ -40,7 +41,7 @@ pub enum Format {
 #[derive(Debug, Clone)]
 pub struct Order {
     /// The cloth and its light, and from where it is seen.
-    pub sight: Sight,
+    pub view: LodView,
     /// Width and height of the whole picture, pixels.
     pub size: [u32; 2],
     /// The part to make: x, y, width, height.
@@ -244,7 +245,7 @@ impl Work<'_> {
         let order = self.order;
         let request = RenderRequest {
             crop,
-            ..order.sight.clone().request(order.size, order.settings)
+            ..RenderRequest::new(order.view.clone(), order.size, order.settings)
         };
         let beginning = Instant::now();
         let begun = self.backend.begin_soon(&request);

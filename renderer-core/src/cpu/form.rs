@@ -8,7 +8,7 @@ use glam::{DMat3, DVec3};
 use super::Tracer;
 use crate::geometry::Ray;
 use crate::optics::Vertex;
-use crate::scene::{FormMesh, Order, TetMap};
+use crate::scene::{FormMesh, KuhnTetrahedron, TetMap};
 
 /// Stretches of one ray: far more than there are in any; rounding must not send a ray around an edge for ever.
 const MOST_STRETCHES: u32 = 1 << 16;
@@ -69,7 +69,7 @@ pub(super) struct BentWay<'a> {
     /// How far it has come, mm of the world.
     t: f64,
     /// The tetrahedron it is in.
-    inside: Option<([i64; 2], Order)>,
+    inside: Option<([i64; 2], KuhnTetrahedron)>,
     steps_left: u32,
 }
 
@@ -112,9 +112,12 @@ impl<'a> BentWay<'a> {
         let (origin, inside) = match start {
             Start::Eye => (ray.origin, mesh.holding(ray.origin)),
             Start::Cloth => {
-                let (facet, shares) = mesh.shares_of(ray.origin);
-                let order = FormMesh::order_of(shares);
-                (mesh.tet(facet, order).at(shares), Some((facet, order)))
+                let (facet, coordinates) = mesh.cell_coordinates_of(ray.origin);
+                let tetrahedron = FormMesh::tetrahedron_of(coordinates);
+                (
+                    mesh.tet(facet, tetrahedron).at(coordinates),
+                    Some((facet, tetrahedron)),
+                )
             }
         };
         Self {
@@ -133,19 +136,19 @@ impl<'a> BentWay<'a> {
     fn next_stretch(&mut self) -> Option<Stretch> {
         while self.steps_left > 0 {
             self.steps_left -= 1;
-            let (facet, order) = match self.inside {
+            let (facet, tetrahedron) = match self.inside {
                 Some(inside) => inside,
                 None => {
-                    let (t, facet, order) = self.entry()?;
+                    let (t, facet, tetrahedron) = self.entry()?;
                     self.t = t;
-                    (facet, order)
+                    (facet, tetrahedron)
                 }
             };
-            let map = self.mesh.tet(facet, order);
-            let shares_per_mm = map.per_share.inverse();
-            let origin = shares_per_mm * (self.ray.origin - map.origin);
-            let slope = shares_per_mm * self.ray.direction;
-            let (leaves, next) = exit(facet, order, origin, slope);
+            let map = self.mesh.tet(facet, tetrahedron);
+            let coordinates_per_mm = map.per_coordinate.inverse();
+            let origin = coordinates_per_mm * (self.ray.origin - map.origin);
+            let slope = coordinates_per_mm * self.ray.direction;
+            let (leaves, next) = exit(facet, tetrahedron, origin, slope);
             let from = self.t;
             self.t = leaves.max(from);
             self.inside = next.filter(|&(facet, _)| self.mesh.has(facet));
@@ -173,12 +176,12 @@ impl<'a> BentWay<'a> {
             },
             part: [from * sheet_per_world, self.t * sheet_per_world],
             world_per_sheet: 1.0 / sheet_per_world,
-            world_from_sheet: Some(map.turn()),
+            world_from_sheet: Some(map.rotation()),
         }
     }
 
     /// Where the ray next comes into the cloth from outside.
-    fn entry(&self) -> Option<(f64, [i64; 2], Order)> {
+    fn entry(&self) -> Option<(f64, [i64; 2], KuhnTetrahedron)> {
         let mesh = self.mesh;
         let inverse = 1.0 / self.ray.direction;
         let mut nearest = None;
@@ -213,12 +216,12 @@ impl<'a> BentWay<'a> {
                 continue;
             }
             let facet = [i64::from(x), i64::from(y)];
-            mesh.outer_faces(facet, |order, corners, opposite| {
+            mesh.outer_faces(facet, |tetrahedron, corners, opposite| {
                 if let Some(t) = self.meets(corners, opposite)
                     && self.t < t
                     && t < nearest_t
                 {
-                    (nearest, nearest_t) = (Some((t, facet, order)), t);
+                    (nearest, nearest_t) = (Some((t, facet, tetrahedron)), t);
                 }
             });
         }
@@ -241,14 +244,14 @@ impl<'a> BentWay<'a> {
     }
 }
 
-/// Where a ray leaves a tetrahedron, and into which it goes; `None` out of the cloth. `origin` and `slope` are shares of the
+/// Where a ray leaves a tetrahedron, and into which it goes; `None` out of the cloth. `origin` and `slope` are coordinates of the
 /// facet.
 fn exit(
     facet: [i64; 2],
-    [first, second, third]: Order,
+    [first, second, third]: KuhnTetrahedron,
     origin: DVec3,
     slope: DVec3,
-) -> (f64, Option<([i64; 2], Order)>) {
+) -> (f64, Option<([i64; 2], KuhnTetrahedron)>) {
     // What must stay above 0: 1 − s[first], s[first] − s[second], s[second] − s[third], s[third].
     let faces = [
         (1.0 - origin[first], -slope[first]),
@@ -262,11 +265,11 @@ fn exit(
             (leaves, through) = (-value / slope, index);
         }
     }
-    let across = |axis: usize, step: i64, order: Order| {
+    let across = |axis: usize, step: i64, tetrahedron: KuhnTetrahedron| {
         (axis < 2).then(|| {
             let mut next = facet;
             next[axis] += step;
-            (next, order)
+            (next, tetrahedron)
         })
     };
     let next = match through {

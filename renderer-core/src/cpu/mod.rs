@@ -9,7 +9,7 @@
 //!
 //! What makes it fast: coordinates relative to the block a ray is in, so that f32 is enough; 16-byte shapes decoded where they
 //! are needed instead of frames in memory; loops solved once a ray; ground yarns looked for only in their layer; voxels
-//! stored by fours. Everything that is left out has a name in [`crate::render::Skip`].
+//! stored by fours. Everything that is left out has a name in [`crate::render::Optimisation`].
 
 mod backend;
 mod batch;
@@ -32,10 +32,11 @@ mod wide;
 
 use std::sync::Arc;
 
+use crate::geometry::Camera;
 use crate::geometry::Ray;
 use crate::render::accumulation::Sample;
 use crate::render::shadow_cache::{ShadowCache, ShadowKey};
-use crate::render::{Camera, Counters, RenderRequest, Settings, Skip};
+use crate::render::{Counters, Optimisation, RenderRequest, Settings};
 
 pub use backend::CpuBackend;
 pub use wide::Instructions;
@@ -77,21 +78,21 @@ impl Tracer {
     /// Prepares for `request`; what `last` derived from parts of its scene that did not change is kept.
     fn new(request: &RenderRequest, instructions: Instructions, last: Option<&Self>) -> Self {
         let settings = request.settings;
-        let skips = settings.skips;
+        let optimisations = settings.optimisations;
         let kept = last.and_then(|last| last.shadow_cache.as_ref());
         let shadow_cache = ShadowKey::new(request).map(|key| match kept {
             Some(kept) if kept.key().is_same(&key) => Arc::clone(kept),
             _ => Arc::new(ShadowCache::new(key)),
         });
         Self {
-            cloth: cloth::Cloth::new(&request.scene, last.map(|last| &last.cloth)),
-            camera: request.camera,
+            cloth: cloth::Cloth::new(request.scene(), last.map(|last| &last.cloth)),
+            camera: *request.camera(),
             size: request.size,
             settings,
             instructions,
-            skips_empty: skips.has(Skip::EmptyCells),
-            remembers_tests: skips.has(Skip::RepeatedTests),
-            ends_opaque_rays: skips.has(Skip::OpaqueRays),
+            skips_empty: optimisations.has(Optimisation::EmptyCells),
+            remembers_tests: optimisations.has(Optimisation::RepeatedTests),
+            ends_opaque_rays: optimisations.has(Optimisation::OpaqueRays),
             shadow_cache,
         }
     }

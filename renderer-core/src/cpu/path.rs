@@ -14,7 +14,7 @@ use super::lanes::Lanes;
 use super::{Scratch, Tracer};
 use crate::design::Method;
 use crate::geometry::Ray;
-use crate::optics::{Lamp, Seen, Vertex, bounced, environment_radiance};
+use crate::optics::{Light, Seen, Vertex, bounced, environment_radiance};
 use crate::render::accumulation::{FirstHit, Sample};
 use crate::sampling::{self, Pcg, Set};
 
@@ -151,7 +151,7 @@ impl<'a> PathTracer<'a> {
         Sample { radiance, first }
     }
 
-    /// Light scattered towards `view`, but for the albedo: of lamps, and of the environment if it is to be seen.
+    /// Light scattered towards `view`, but for the albedo: of lights, and of the environment if it is to be seen.
     #[inline(always)]
     fn light<L: Lanes>(&mut self, vertex: &Vertex, view: DVec3, gather: Gather) -> DVec3 {
         let tracer = self.tracer;
@@ -162,7 +162,7 @@ impl<'a> PathTracer<'a> {
             orders,
             ..
         } = gather;
-        let lamps = lights.lamps();
+        let sources = lights.count();
         let point = tracer.cloth.scene.lit_point(vertex.position);
         let mut sum = DVec3::ZERO;
         let cache = tracer.shadow_cache(self.number).map(|cache| {
@@ -170,13 +170,13 @@ impl<'a> PathTracer<'a> {
             (cache, cache.key().grid.entry(vertex.position, random))
         });
         // One place for all shadow rays, since everything they do is inlined.
-        for number in 0..lamps + usize::from(gather.sees_sky) {
-            let lamp = Lamp::of(lights, number, bounce);
+        for number in 0..sources + usize::from(gather.sees_sky) {
+            let light = Light::of(lights, number, bounce);
             // The light's radiance times the phase over the direction's density, and its mean over all directions.
             let mut entry_of_light = number;
-            let (direction, scattered, unhindered) = if let Some((lamp, set)) = lamp {
+            let (direction, scattered, unhindered) = if let Some((light, set)) = light {
                 let [u, v, ..] = self.random(set);
-                let (world, irradiance) = lamp.towards(point, [u, v]);
+                let (world, irradiance) = light.towards(point, [u, v]);
                 let direction = vertex.sheet_direction(world);
                 let value = tracer.cloth.optics.value(vertex.lobe, view, direction);
                 (

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use super::EnvironmentLight;
+use crate::sampling::PiecewiseConstant2D;
 
 /// A picture of the surroundings, row 0 at the zenith.
 #[derive(Clone)]
@@ -14,7 +14,7 @@ pub struct EnvironmentImage {
     height: usize,
     /// Linear red, green and blue, row by row.
     pixels: Arc<[[f32; 3]]>,
-    light: EnvironmentLight,
+    light: PiecewiseConstant2D,
     file_width: usize,
     mended: usize,
 }
@@ -99,7 +99,7 @@ impl EnvironmentImage {
     }
 
     /// Where its light comes from.
-    pub fn light(&self) -> &EnvironmentLight {
+    pub fn light(&self) -> &PiecewiseConstant2D {
         &self.light
     }
 
@@ -211,7 +211,7 @@ impl EnvironmentReader {
         Ok(EnvironmentImage {
             width,
             height,
-            light: EnvironmentLight::new(width, height, &pixels),
+            light: PiecewiseConstant2D::new(width, height, &pixels),
             pixels,
             file_width: self.width,
             mended: self.mended,

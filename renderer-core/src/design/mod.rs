@@ -3,11 +3,11 @@
 //! [`Design`] is plain data that can be cloned, compared and written as TOML; [`preset`] reads and writes files with
 //! faults that name line and column. `scene::compile` turns a valid design into what a renderer draws.
 
+mod camera;
 pub mod chart_edit;
 mod chart_image;
 mod colour;
 mod environment_image;
-mod environment_light;
 mod fields;
 mod form;
 mod height_image;
@@ -21,7 +21,6 @@ mod shape;
 pub use chart_image::{ChartImage, OPAQUE_FROM, TILE, Tile};
 pub use colour::{Colour, linear_to_srgb, srgb_to_linear};
 pub use environment_image::{EnvironmentFault, EnvironmentImage, EnvironmentReader};
-pub use environment_light::EnvironmentLight;
 pub use fields::{Fault, Field, Numbers, Warning};
 pub use height_image::HeightImage;
 pub use pattern::{Anchor, Keep, NewCells, Pattern, STITCHES, Stitch};
@@ -181,7 +180,7 @@ impl Design {
         self.form.kind == FormKind::Flat && !self.turbulence.is_filtered()
     }
 
-    /// What is wrong with the cloth's size: only cloth that has parts is made in excerpts.
+    /// What is wrong with the cloth's size: only cloth that has parts is made in regions.
     fn fault_of_size(&self) -> Option<Fault> {
         if self.has_parts() {
             return self.sheet.fault_of_cells(Sheet::MAX_CELLS, "");

@@ -1083,3 +1083,12 @@ section! {
         }
     }
 }
+
+impl From<Sampler> for crate::sampling::Sampler {
+    fn from(sampler: Sampler) -> Self {
+        match sampler {
+            Sampler::Owen => Self::Owen,
+            Sampler::Random => Self::Random,
+        }
+    }
+}

@@ -4,6 +4,7 @@
 //! ray's origin next to the patch), and directions have length 1.
 
 mod basis;
+mod camera;
 mod frame;
 mod frame_line;
 mod interval;
@@ -11,6 +12,7 @@ mod main_axis;
 mod patch;
 
 pub use basis::orthonormal_basis;
+pub use camera::{Camera, Projection};
 pub use frame::{LoopFrame, Slopes};
 pub use frame_line::{FrameLine, InsideParts};
 pub use interval::{Interval, clip_to_box};

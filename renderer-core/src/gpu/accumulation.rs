@@ -6,7 +6,9 @@ use std::ops::Range;
 use glam::{DVec2, DVec3};
 
 use crate::render::convergence::PixelErrors;
-use crate::render::{Counters, RenderError, RenderRequest, Skip, background_tiles, cloth_box};
+use crate::render::{
+    Counters, Optimisation, RenderError, RenderRequest, background_tiles, cloth_box,
+};
 
 use super::GpuContext;
 use super::layout::{
@@ -96,7 +98,11 @@ impl Accumulation {
             u64::from(tiles[0]) * u64::from(tiles[1]) * size_of::<RayTile>() as u64,
             context.largest_binding(),
         )?;
-        let ends = if request.settings.skips.has(Skip::BackgroundTiles) {
+        let ends = if request
+            .settings
+            .optimisations
+            .has(Optimisation::BackgroundTiles)
+        {
             let is_background = background_tiles(request, TILE).into_iter();
             is_background
                 .map(|is| if is { ALL_BACKGROUND } else { 0 })
@@ -287,8 +293,8 @@ impl Accumulation {
     /// What is the same in every slice of this picture, for tiles of one buffer.
     pub fn slice(&self, request: &RenderRequest, buffer: &SumBuffer, tiles: Range<u32>) -> Slice {
         let [x, y, _, _] = request.crop;
-        let [red, green, blue] = request.scene.lights.background.map(|c| c as f32);
-        let levels = request.levels.rows(request.size[1]);
+        let [red, green, blue] = request.scene().lights.background.map(|c| c as f32);
+        let levels = request.view.rows(request.size[1]);
         Slice {
             size: self.size,
             corner: [x, y],
@@ -328,7 +334,7 @@ impl Accumulation {
 
 /// Ray bases of some tiles of a picture `across` tiles wide; a tile's reference point is its centre.
 fn ray_tiles(request: &RenderRequest, across: u32, tiles: &[u32]) -> Vec<RayTile> {
-    let scene = &request.scene;
+    let scene = request.scene();
     let cloth = cloth_box(scene);
     let [x, y, _, _] = request.crop.map(f64::from);
     let side = f64::from(TILE);
@@ -337,7 +343,9 @@ fn ray_tiles(request: &RenderRequest, across: u32, tiles: &[u32]) -> Vec<RayTile
             let column = f64::from(tile % across) + 0.5;
             let row = f64::from(tile / across) + 0.5;
             let centre = DVec2::new(x + column * side, y + row * side);
-            let rays = (request.camera).ray_tile(centre, request.size, &scene.sheet, cloth);
+            let rays = request
+                .camera()
+                .ray_tile(centre, request.size, &scene.sheet, cloth);
             let pitch = DVec2::new(scene.sheet.pitch_x_mm, scene.sheet.pitch_y_mm);
             let quantum = quantum(rays.origin_dx, rays.origin_dy, pitch);
             let [dx, dx_rest] = in_quanta(rays.origin_dx, quantum);

@@ -8,7 +8,7 @@ use crate::image::{Display, Picture};
 use crate::render::convergence::{PixelErrors, has_estimate, is_decision, leads_on};
 use crate::render::progressive::check_size;
 use crate::render::{
-    Backend, BackendKind, Counters, MAX_SIDE, Progress, RenderError, RenderRequest, Skip,
+    Backend, BackendKind, Counters, MAX_SIDE, Optimisation, Progress, RenderError, RenderRequest,
 };
 
 use super::GpuContext;
@@ -94,13 +94,13 @@ impl GpuBackend {
         for level in 0..request.level_count() {
             let request = request.at_level(level);
             // What levels have in common, such as volumes, they share.
-            let of_loops = |old: &&SceneBuffers| old.has_loops_of(&request.scene);
+            let of_loops = |old: &&SceneBuffers| old.has_loops_of(request.scene());
             let old = self.scenes.iter().find(of_loops);
             let old = old.or(scenes.first()).or(self.scenes.first());
             scenes.push(SceneBuffers::new(
                 context,
                 &self.pipelines,
-                &request.scene,
+                request.scene(),
                 old,
             )?);
             let old = old_shadows.next().flatten();
@@ -272,7 +272,11 @@ impl Work {
         }
         self.error_estimate = Some(whole.relative());
         let target = request.settings.error;
-        let may_end = target > 0.0 && request.settings.skips.has(Skip::ConvergedTiles);
+        let may_end = target > 0.0
+            && request
+                .settings
+                .optimisations
+                .has(Optimisation::ConvergedTiles);
         if may_end && is_decision(samples) {
             let is_done = |tile: &PixelErrors| tile.have_converged(&whole, target);
             if accumulation.end_tiles(context, request, samples, &errors, is_done)? {
@@ -311,7 +315,7 @@ impl Work {
         let [from, to] = rows.map(|row| slice.corner[1] + row);
         let levels = self
             .request
-            .levels
+            .view
             .rows(self.request.size[1])
             .of_rows(from, to);
         let encoder = context.guarded(|| {
@@ -395,7 +399,7 @@ impl Backend for GpuBackend {
         let needs = SceneNeeds {
             cached_shadows: self.shadows.iter().all(Option::is_some),
             levels: request.level_count() > 1,
-            ..SceneNeeds::new(&request.scene, &request.settings, self.filter_f32)
+            ..SceneNeeds::new(request.scene(), &request.settings, self.filter_f32)
         };
         let pipeline = self.pipelines.trace.get(needs, &scene.group)?;
         self.work = Some(Work {

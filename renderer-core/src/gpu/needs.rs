@@ -1,7 +1,8 @@
 //! What a picture needs of the shaders: the values of their `override` constants. Pipelines are cached by it.
 
-use crate::design::{Interpolation, Method, Phase, Sampler, SkeletonHeight, SkeletonShading};
-use crate::render::{Settings, Skip};
+use crate::design::{Interpolation, Method, Phase, SkeletonHeight, SkeletonShading};
+use crate::render::{Optimisation, Settings};
+use crate::sampling::Sampler;
 use crate::scene::{Scene, Sky};
 
 use super::layout;
@@ -63,7 +64,7 @@ impl SceneNeeds {
     /// What `scene` drawn with `settings` needs, without a cache of shadows and at one level of detail.
     pub fn new(scene: &Scene, settings: &Settings, filter_f32: bool) -> Self {
         // What the scene's numbers turn off as well, so that it need not be left out.
-        let every = !settings.skips.has(Skip::UnusedShading);
+        let every = !settings.optimisations.has(Optimisation::UnusedShading);
         let environment = every || scene.lights.environment.iter().any(|&c| c > 0.0);
         Self {
             method: settings.method,
@@ -100,8 +101,8 @@ impl SceneNeeds {
             aov: settings.aov,
             counters: settings.counters,
             filter_f32,
-            opaque_rays: settings.skips.has(Skip::OpaqueRays),
-            hidden_ground: settings.skips.has(Skip::HiddenGround),
+            opaque_rays: settings.optimisations.has(Optimisation::OpaqueRays),
+            hidden_ground: settings.optimisations.has(Optimisation::HiddenGround),
         }
     }
 

@@ -5,6 +5,7 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 
 use crate::design::EnvironmentImage;
+use crate::sampling::PiecewiseConstant2D;
 use crate::scene::{Lights, Sky};
 
 /// Radiance that arrives from the unit vector `direction`, world space.
@@ -58,4 +59,22 @@ fn bilinear(image: &EnvironmentImage, column: f64, row: f64) -> DVec3 {
     };
     let line = |y: f64| texel(left, y).lerp(texel(left + 1.0, y), x - left);
     line(upper).lerp(line(upper + 1.0), y - upper)
+}
+
+impl Sky {
+    /// Share of the directions to a drawn sky that follow the phase all the same: what a picture's light does not tell is which
+    /// part of it is shaded.
+    pub const PHASE_SHARE: f32 = 0.25;
+
+    /// The light of a picture that directions are drawn by, and the azimuth of its middle, radians; `None` if they follow the
+    /// phase alone. Light of such a sky comes by shadow rays only, at every scattering, never by paths that leave the cloth.
+    #[inline(always)]
+    pub fn drawn(&self) -> Option<(&PiecewiseConstant2D, f64)> {
+        match self {
+            Self::Image { image, middle } if image.light().is_uneven() => {
+                Some((image.light(), *middle))
+            }
+            _ => None,
+        }
+    }
 }

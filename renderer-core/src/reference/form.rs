@@ -8,7 +8,7 @@ use glam::{DMat3, DVec3};
 use super::{SkeletonHit, Span, Tracer};
 use crate::geometry::{Interval, Ray};
 use crate::optics::Vertex;
-use crate::scene::{FormMesh, ORDERS};
+use crate::scene::{FormMesh, KUHN_TETRAHEDRA};
 
 /// A part of a ray within which world and sheet differ by an affine map only.
 #[derive(Debug, Clone, Copy)]
@@ -48,7 +48,10 @@ impl Tracer {
         };
         let mut stretches = Vec::new();
         for facet in mesh.facets_along(ray) {
-            stretches.extend((ORDERS.iter()).filter_map(|order| stretch(mesh, ray, facet, *order)));
+            stretches.extend(
+                (KUHN_TETRAHEDRA.iter())
+                    .filter_map(|tetrahedron| stretch(mesh, ray, facet, *tetrahedron)),
+            );
         }
         let start = |stretch: &Stretch| stretch.part.low * stretch.world_per_sheet;
         stretches.sort_by(|a, b| start(a).total_cmp(&start(b)));
@@ -88,13 +91,18 @@ impl Tracer {
 }
 
 /// The part of a ray in a tetrahedron.
-fn stretch(mesh: &FormMesh, ray: &Ray, facet: [i64; 2], order: [usize; 3]) -> Option<Stretch> {
-    let map = mesh.tet(facet, order);
-    let shares_per_mm = map.per_share.inverse();
-    let origin = shares_per_mm * (ray.origin - map.origin);
-    let slope = shares_per_mm * ray.direction;
+fn stretch(
+    mesh: &FormMesh,
+    ray: &Ray,
+    facet: [i64; 2],
+    tetrahedron: [usize; 3],
+) -> Option<Stretch> {
+    let map = mesh.tet(facet, tetrahedron);
+    let coordinates_per_mm = map.per_coordinate.inverse();
+    let origin = coordinates_per_mm * (ray.origin - map.origin);
+    let slope = coordinates_per_mm * ray.direction;
     // 1 ≥ s[first] ≥ s[second] ≥ s[third] ≥ 0.
-    let [first, second, third] = order;
+    let [first, second, third] = tetrahedron;
     let not_negative = Interval::new(0.0, f64::INFINITY);
     let part = not_negative
         .clip_linear(1.0 - origin[first], -slope[first], not_negative)
@@ -121,6 +129,6 @@ fn stretch(mesh: &FormMesh, ray: &Ray, facet: [i64; 2], order: [usize; 3]) -> Op
         },
         part: Interval::new(part.low * sheet_per_world, part.high * sheet_per_world),
         world_per_sheet: 1.0 / sheet_per_world,
-        world_from_sheet: map.turn(),
+        world_from_sheet: map.rotation(),
     })
 }

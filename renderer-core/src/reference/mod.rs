@@ -33,10 +33,11 @@ use std::sync::Arc;
 use glam::DVec2;
 use rayon::prelude::*;
 
+use crate::geometry::Camera;
 use crate::geometry::{Interval, LoopFrame, Ray};
 use crate::optics::Optics;
 use crate::render::accumulation::Sample;
-use crate::render::{Camera, Counters, RenderRequest, Settings};
+use crate::render::{Counters, RenderRequest, Settings};
 use crate::scene::{Loops, Scene};
 
 pub use backend::ReferenceBackend;
@@ -79,20 +80,20 @@ impl AsMut<Counters> for Scratch {
 impl Tracer {
     /// Prepares for `request`.
     pub fn new(request: &RenderRequest) -> Self {
-        let frames = Arc::new(frames(&request.scene.loops));
-        let optics = Optics::new(&request.scene.pile, &request.scene.skeleton);
+        let frames = Arc::new(frames(&request.scene().loops));
+        let optics = Optics::new(&request.scene().pile, &request.scene().skeleton);
         Self::with(request, frames, Arc::new(optics))
     }
 
     /// Prepares for another request; frames are kept if the loops are the same, phase functions if
     /// pile and skeleton are.
     pub fn again(&self, request: &RenderRequest) -> Self {
-        let frames = if request.scene.loops == self.scene.loops {
+        let frames = if request.scene().loops == self.scene.loops {
             Arc::clone(&self.frames)
         } else {
-            Arc::new(frames(&request.scene.loops))
+            Arc::new(frames(&request.scene().loops))
         };
-        let (new, old) = (&request.scene, &self.scene);
+        let (new, old) = (request.scene(), &self.scene);
         let optics = if new.pile == old.pile && new.skeleton == old.skeleton {
             Arc::clone(&self.optics)
         } else {
@@ -102,7 +103,7 @@ impl Tracer {
     }
 
     fn with(request: &RenderRequest, frames: Arc<Vec<LoopFrame>>, optics: Arc<Optics>) -> Self {
-        let scene = Arc::clone(&request.scene);
+        let scene = Arc::clone(request.scene());
         let yarns = scene
             .skeleton
             .visible
@@ -110,7 +111,7 @@ impl Tracer {
         let materials = scene.pile.materials.iter();
         let densest = materials.fold(0.0, |d: f64, m| d.max(f64::from(m.density_per_mm)));
         Self {
-            camera: request.camera,
+            camera: *request.camera(),
             size: request.size,
             settings: request.settings,
             grid: Grid::new(&scene.sheet, &scene.loops, yarns.as_ref()),

@@ -13,7 +13,7 @@ use glam::{DVec2, DVec3};
 use super::{Scratch, Tracer};
 use crate::design::Method;
 use crate::geometry::Ray;
-use crate::optics::{FromSky, Lamp, Vertex, bounced, environment_radiance};
+use crate::optics::{FromSky, Light, Vertex, bounced, environment_radiance};
 use crate::render::accumulation::{FirstHit, Sample};
 use crate::sampling::{self, Pcg, Set};
 
@@ -123,7 +123,7 @@ impl<'a> PathTracer<'a> {
                 composited,
                 orders: if closing { bounces - bounce } else { 0 },
             };
-            let mut light = self.lamplight(&vertex, view, gather);
+            let mut light = self.direct_light(&vertex, view, gather);
             if composited || closing || is_drawn {
                 light += self.skylight(&vertex, view, gather);
             }
@@ -171,15 +171,15 @@ impl<'a> PathTracer<'a> {
     }
 
     /// Light of suns and area lights scattered towards `view`, but for the albedo.
-    fn lamplight(&mut self, vertex: &Vertex, view: DVec3, gather: Gather) -> DVec3 {
+    fn direct_light(&mut self, vertex: &Vertex, view: DVec3, gather: Gather) -> DVec3 {
         let tracer = self.tracer;
         let lights = &tracer.scene.lights;
         let mut light = DVec3::ZERO;
         let point = tracer.scene.lit_point(vertex.position);
-        let lamps = (0..).map_while(|number| Lamp::of(lights, number, gather.bounce));
-        for (lamp, set) in lamps {
+        let sources = (0..).map_while(|number| Light::of(lights, number, gather.bounce));
+        for (source, set) in sources {
             let [u, v, ..] = self.random(set);
-            let (world, irradiance) = lamp.towards(point, [u, v]);
+            let (world, irradiance) = source.towards(point, [u, v]);
             let direction = vertex.sheet_direction(world);
             let value = tracer.optics.value(vertex.lobe, view, direction);
             if value > 0.0 || gather.orders > 0 {

@@ -6,7 +6,8 @@
 
 use glam::{DVec2, DVec3};
 
-use super::{Camera, RenderRequest};
+use super::RenderRequest;
+use crate::geometry::Camera;
 use crate::scene::Scene;
 
 /// The box is taken this much larger on each side, as a share of its size and in mm: rays in f32 miss by up to 10⁻⁴ mm what
@@ -173,11 +174,11 @@ impl<'a> Finder<'a> {
 
 /// For each tile of `side` pixels, row by row, whether it shows nothing but background, in whichever of its levels of detail.
 pub fn background_tiles(request: &RenderRequest, side: u32) -> Vec<bool> {
-    let farther = request.levels.farther.iter();
-    let farther = farther.map(|level| Finder::new(&level.scene, &level.camera, request.size));
-    let nearest = Finder::new(&request.scene, &request.camera, request.size);
-    let finders: Vec<_> = std::iter::once(nearest).chain(farther).collect();
-    let levels_of = request.levels.rows(request.size[1]);
+    let levels = request.view.levels.iter();
+    let finders: Vec<_> = levels
+        .map(|level| Finder::new(&level.scene, &level.camera, request.size))
+        .collect();
+    let levels_of = request.view.rows(request.size[1]);
     let [left, top, width, height] = request.crop;
     let [columns, rows] = [width, height].map(|length| length.div_ceil(side));
     (0..columns * rows)

@@ -1,7 +1,7 @@
 //! When work on tiles and pictures ends: one rule for all backends (MODEL.md §10).
 //!
 //! Decisions fall only when all pixels that are still drawn have 2^k samples. A picture ends when its estimated error is at
-//! most the target. A tile ends before that, with [`Skip::ConvergedTiles`](super::Skip), when its own part of the error
+//! most the target. A tile ends before that, with [`Optimisation::ConvergedTiles`](super::Optimisation), when its own part of the error
 //! is: when the variances of its pixels' means sum up to at most (target · mean of the whole picture)² for each of its
 //! values. Were every tile like that, the picture would have the error asked for; the tiles that are not go on
 //! until the picture as a whole has it, so that samples go where the error is.

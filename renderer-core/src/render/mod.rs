@@ -6,31 +6,29 @@
 
 pub mod accumulation;
 mod background;
-mod camera;
+mod coarse_preview;
 pub mod convergence;
-mod first_look;
-mod level_plan;
 pub mod levels;
+mod optimisations;
 pub mod progressive;
+mod ray_tile;
 pub mod shadow_cache;
-mod sight;
-mod skips;
 
 pub use background::{background_tiles, cloth_box};
-pub use camera::{Camera, Projection, RayTile};
-pub use first_look::FirstLook;
-pub use level_plan::{Extent, LevelPlan};
-pub use levels::{Fineness, Level, LevelRows, Levels};
-pub use sight::{Cloth, ClothMaker, Sight};
-pub use skips::{Skip, Skips};
+pub use coarse_preview::CoarsePreview;
+pub use optimisations::{Optimisation, Optimisations};
+pub use ray_tile::RayTile;
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-use crate::design::{Method, Quality, Sampler};
+use crate::design::{Method, Quality};
+use crate::geometry::Camera;
 use crate::image::Picture;
+use crate::sampling::Sampler;
 use crate::scene::Scene;
+use crate::scene::lod::LodView;
 
 /// Largest side of a picture, pixels.
 pub const MAX_SIDE: u32 = 16_384;
@@ -38,18 +36,36 @@ pub const MAX_SIDE: u32 = 16_384;
 /// One picture to make.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RenderRequest {
-    /// The cloth and its light.
-    pub scene: Arc<Scene>,
-    /// From where it is seen.
-    pub camera: Camera,
-    /// The same cloth less fine, for pixels that see it from farther away.
-    pub levels: Levels,
+    /// The cloth, its light and the camera, at one level of detail or at several.
+    pub view: LodView,
     /// Width and height of the whole picture, pixels.
     pub size: [u32; 2],
     /// The part to make: x, y, width, height, pixels from the top left; the picture returned has this size.
     pub crop: [u32; 4],
     /// How.
     pub settings: Settings,
+}
+
+impl RenderRequest {
+    /// A whole picture of a view.
+    pub fn new(view: LodView, size: [u32; 2], settings: Settings) -> Self {
+        Self {
+            view,
+            size,
+            crop: [0, 0, size[0], size[1]],
+            settings,
+        }
+    }
+
+    /// The scene of the nearest level.
+    pub fn scene(&self) -> &Arc<Scene> {
+        &self.view.levels.nearest.scene
+    }
+
+    /// The camera in the space of the nearest level.
+    pub fn camera(&self) -> &Camera {
+        &self.view.levels.nearest.camera
+    }
 }
 
 /// How a picture is made.
@@ -78,7 +94,7 @@ pub struct Settings {
     /// Count rays, cells, patch tests and so on; costs time.
     pub counters: bool,
     /// Work that is left out where it cannot be seen.
-    pub skips: Skips,
+    pub optimisations: Optimisations,
     /// First samples of each pixel whose shadows may come from [`shadow_cache`]; renderers that have none trace all.
     pub cached_shadows: u32,
 }
@@ -105,11 +121,11 @@ impl From<&Quality> for Settings {
             samples,
             error,
             seed,
-            sampler,
+            sampler: sampler.into(),
             shadows,
             aov: false,
             counters: false,
-            skips: Skips::ALL,
+            optimisations: Optimisations::ALL,
             cached_shadows,
         }
     }

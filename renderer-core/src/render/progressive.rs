@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::accumulation::{Accumulation, Pass, Sample, TILE_SIDE, Tile};
 use super::background::background_tiles;
 use super::convergence::{has_estimate, is_decision, leads_on};
-use super::{Counters, MAX_SIDE, Progress, RenderError, RenderRequest, Skip};
+use super::{Counters, MAX_SIDE, Optimisation, Progress, RenderError, RenderRequest};
 use crate::image::Picture;
 
 /// Which threads draw.
@@ -42,8 +42,12 @@ impl Progressive {
         check_size(request.size, request.crop)?;
         let [_, _, width, height] = request.crop;
         let mut accumulation = Accumulation::new([width, height], request.settings.aov);
-        if request.settings.skips.has(Skip::BackgroundTiles) {
-            let background = DVec3::from_array(request.scene.lights.background);
+        if request
+            .settings
+            .optimisations
+            .has(Optimisation::BackgroundTiles)
+        {
+            let background = DVec3::from_array(request.scene().lights.background);
             accumulation.fill_background(&background_tiles(request, TILE_SIDE), background);
         }
         let error_estimate = accumulation.is_background().then_some(0.0);
@@ -136,7 +140,8 @@ impl Progressive {
         };
         self.error_estimate = Some(whole.relative());
         let settings = &self.request.settings;
-        let may_end = settings.error > 0.0 && settings.skips.has(Skip::ConvergedTiles);
+        let may_end =
+            settings.error > 0.0 && settings.optimisations.has(Optimisation::ConvergedTiles);
         if may_end && is_decision(self.pass.samples_before()) {
             self.accumulation.end_tiles(&of_tiles, |errors| {
                 errors.have_converged(&whole, settings.error)

@@ -115,7 +115,7 @@ impl ShadowGrid {
             shift,
             layers_below: below,
             layer_mm,
-            lights: scene.lights.lamps() as u32 + 1 + u32::from(scene.lights.sky.drawn().is_some()),
+            lights: scene.lights.count() as u32 + 1 + u32::from(scene.lights.sky.drawn().is_some()),
             cells,
             pitch_mm,
         }
@@ -164,12 +164,12 @@ pub struct ShadowKey {
 impl ShadowKey {
     /// For `request`; `None` if it takes no shadows from a cache.
     pub fn new(request: &RenderRequest) -> Option<Self> {
-        let pixel_mm = request.camera.pixel_mm(request.size[1]);
+        let pixel_mm = request.camera().pixel_mm(request.size[1]);
         request.settings.caches_shadows(0).then(|| Self {
-            scene: Arc::clone(&request.scene),
+            scene: Arc::clone(request.scene()),
             method: request.settings.method,
             seed: request.settings.seed,
-            grid: ShadowGrid::new(&request.scene, pixel_mm),
+            grid: ShadowGrid::new(request.scene(), pixel_mm),
         })
     }
 

@@ -14,8 +14,18 @@
 //! the way on. Free paths of `tracked` come from [`Pcg`], since their number has no bound.
 
 pub mod directions;
+mod piecewise_constant_2d;
 
-use crate::design::Sampler;
+pub use piecewise_constant_2d::PiecewiseConstant2D;
+
+/// Where the random numbers of paths come from (MODEL.md §10).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Sampler {
+    /// Owen-scrambled Sobol points.
+    Owen,
+    /// Independent numbers.
+    Random,
+}
 
 /// Scrambles of every picture.
 pub const SCRAMBLES: u32 = 4;

@@ -6,7 +6,7 @@
 //!   R(ω, σ) = Σ_n ω^n · (c_n + g_n·Σ_m p_n(m)·σ^m),
 //! c_n the share of light that meets pile alone, g_n that which meets ground yarns as well, m ≥ 1 times on average m̄_n. m is
 //! taken to be distributed geometrically: Σ_m p(m)·σ^m = σ(1−q)/(1−qσ), q = 1 − 1/m̄. Paths of at most b scatterings keep the
-//! terms with n + m ≤ b. [`super::escape`] holds c, g and m̄, measured on the default terry; cloth that is much thinner or
+//! terms with n + m ≤ b. [`super::scattering_orders`] holds c, g and m̄, measured on the default terry; cloth that is much thinner or
 //! less dense gives back a little less.
 //!
 //! What cloth can reflect ends where its loops have the albedo `max_albedo`: for 0.985, on the default ground yarns and seen
@@ -14,10 +14,10 @@
 //! brighter colour is darkened to that, its hue kept. So white is the whitest cotton that the bounces can show; what the tail
 //! beyond 64 bounces would add to it is 2 %, ΔE 0.6, and less to every other colour.
 
-use super::escape::{
+use super::finish::wet_reflectance;
+use super::scattering_orders::{
     BIN_ENDS, BINS, Column, FRAME_LAMBERT, GRADIENT_LAMBERT, ISOTROPIC, KAJIYA_KAY,
 };
-use super::finish::wet_reflectance;
 use crate::design::Phase;
 
 /// Reflectances for which the inverse is tabulated; between them it is linear to a thousandth.

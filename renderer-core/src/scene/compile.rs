@@ -28,6 +28,7 @@ use super::finish::{Finishing, wet_pile};
 use super::frames::FrameRules;
 use super::grid::{self, NoGrid};
 use super::length::Cells;
+use super::lod::LodRegion;
 use super::looks::{Materials, looks};
 use super::plant::{Frames, LoopsInputs};
 use super::report::{CompileReport, SECTIONS, timed};
@@ -36,14 +37,13 @@ use super::turbulence::TurbulenceField;
 use super::types::heights_mm;
 use super::volumes::rasterise_unless_cancelled;
 use super::{
-    CellSet, Excerpt, FormMesh, Lights, LoopLook, Loops, PileOptics, Scene, Section, SeenCells,
-    SheetGeometry, Skeleton, Volumes,
+    CellSet, FormMesh, Lights, LoopLook, Loops, PileOptics, Scene, Section, SheetGeometry,
+    Skeleton, VisibleCells, Volumes,
 };
 use crate::design::{
     Chart, Colour, Design, Fault, Filter, Form, FormKind, Length, Phase, Pile, PileKind, Sheared,
     Turbulence, Warning,
 };
-use crate::render::{Skip, Skips};
 
 /// Why a design has no scene.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -116,10 +116,28 @@ pub fn warnings(design: &Design, scene: &Scene) -> Vec<Warning> {
     warnings
 }
 
+/// Work that a compiler leaves out; it never changes a scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CompilerOptions {
+    /// Sections whose inputs did not change are kept.
+    pub keeps_unchanged: bool,
+    /// Loops that pattern, chart or length leave out get no frames.
+    pub skips_unplanted: bool,
+}
+
+impl Default for CompilerOptions {
+    fn default() -> Self {
+        Self {
+            keeps_unchanged: true,
+            skips_unplanted: true,
+        }
+    }
+}
+
 /// Compiles one design after another and keeps what did not change.
 #[derive(Debug, Default)]
 pub struct Compiler {
-    skips: Skips,
+    options: CompilerOptions,
     /// The last whole scene.
     scene: Option<Arc<Scene>>,
     cells: Option<(CellsInputs, Cells)>,
@@ -131,12 +149,12 @@ pub struct Compiler {
     report: CompileReport,
 }
 
-/// A scene for a first look.
+/// A scene for a coarse preview.
 #[derive(Debug, Clone)]
-pub enum SeenScene {
+pub enum PreviewScene {
     /// With all loops, since they were there already.
     Whole(Arc<Scene>),
-    /// With those loops only that reach the cells that are seen.
+    /// With those loops only that reach the visible cells.
     Part(Arc<Scene>),
 }
 
@@ -190,10 +208,10 @@ fn kept<I: PartialEq, T: Clone>(last: Option<&(I, T)>, inputs: &I) -> Option<T> 
 }
 
 impl Compiler {
-    /// A compiler that leaves out this work, which never changes a scene.
-    pub fn new(skips: Skips) -> Self {
+    /// A compiler with these options.
+    pub fn new(options: CompilerOptions) -> Self {
         Self {
-            skips,
+            options,
             ..Self::default()
         }
     }
@@ -207,7 +225,7 @@ impl Compiler {
         self.compile_unless_cancelled(design, &Cancel::never())
     }
 
-    /// The same, given up with [`CompileError::Cancelled`] soon after `cancel` says so.
+    /// The scene of a design, or what was begun of it is given up with [`CompileError::Cancelled`] soon after `cancel` says so.
     ///
     /// # Errors
     /// As [`Self::compile`], or when given up.
@@ -219,33 +237,33 @@ impl Compiler {
         self.scene_of(design, None, cancel)
     }
 
-    /// The scene of an excerpt of a design.
+    /// The scene of a region of a design.
     ///
     /// # Errors
     /// As [`Self::compile_unless_cancelled`].
-    pub fn compile_excerpt(
+    pub fn compile_region(
         &mut self,
         design: &Design,
-        excerpt: Excerpt,
+        region: LodRegion,
         cancel: &Cancel<'_>,
     ) -> Result<Arc<Scene>, CompileError> {
-        self.scene_of(design, Some(excerpt), cancel)
+        self.scene_of(design, Some(region), cancel)
     }
 
     fn scene_of(
         &mut self,
         design: &Design,
-        excerpt: Option<Excerpt>,
+        region: Option<LodRegion>,
         cancel: &Cancel<'_>,
     ) -> Result<Arc<Scene>, CompileError> {
-        match self.make(design, excerpt, None, cancel)? {
-            SeenScene::Whole(scene) | SeenScene::Part(scene) => Ok(scene),
+        match self.make(design, region, None, cancel)? {
+            PreviewScene::Whole(scene) | PreviewScene::Part(scene) => Ok(scene),
         }
     }
 
     /// One that leaves out the same work and has made nothing yet.
     pub fn fresh(&self) -> Self {
-        Self::new(self.skips)
+        Self::new(self.options)
     }
 
     /// Takes over the volumes of another compiler, for designs of the same yarns.
@@ -255,28 +273,25 @@ impl Compiler {
         }
     }
 
-    /// A scene for a first look at a design whose loops changed: in the cells that are `seen` it is what
+    /// A scene for a coarse preview of a design whose loops changed: in the `visible` cells it is what
     /// [`Self::compile`] gives, elsewhere loops may be missing. What can be kept is kept for that.
     ///
     /// # Errors
     /// As [`Self::compile_unless_cancelled`].
-    pub fn compile_seen(
+    pub fn compile_visible(
         &mut self,
         design: &Design,
-        seen: &SeenCells,
+        visible: &VisibleCells,
         cancel: &Cancel<'_>,
-    ) -> Result<SeenScene, CompileError> {
-        self.make(design, None, Some(seen), cancel)
+    ) -> Result<PreviewScene, CompileError> {
+        self.make(design, None, Some(visible), cancel)
     }
 
-    /// Whether the loops of a design, or of an excerpt of it, are there already, so that a scene for a first look saves nothing.
-    pub fn has_loops_of(&mut self, whole: &Design, excerpt: Option<Excerpt>) -> bool {
-        let shrunk = excerpt.map(|excerpt| excerpt.design(whole));
+    /// Whether the loops of a design, or of a region of it, are there already, so that a scene for a coarse preview saves nothing.
+    pub fn has_loops_of(&mut self, whole: &Design, region: Option<LodRegion>) -> bool {
+        let shrunk = region.map(|region| region.design(whole));
         let design = shrunk.as_ref().unwrap_or(whole);
-        let sheet = SheetGeometry {
-            excerpt,
-            ..SheetGeometry::new(design)
-        };
+        let sheet = sheet_of(design, region);
         // What each cell asks for takes time to tell.
         let are_there = (self.loops.as_ref()).is_some_and(|(inputs, _)| inputs.sheet == sheet);
         are_there && {
@@ -293,99 +308,64 @@ impl Compiler {
     fn make(
         &mut self,
         whole: &Design,
-        excerpt: Option<Excerpt>,
-        seen: Option<&SeenCells>,
+        region: Option<LodRegion>,
+        visible: Option<&VisibleCells>,
         cancel: &Cancel<'_>,
-    ) -> Result<SeenScene, CompileError> {
+    ) -> Result<PreviewScene, CompileError> {
         let start = Instant::now();
         self.report = CompileReport::default();
-        let mut faults = whole.faults();
-        let all_cells = whole.sheet.fault_of_all_cells();
-        if let (None, Some(fault)) = (excerpt, all_cells)
-            && faults.iter().all(|other| other.path != fault.path)
-        {
-            faults.push(fault);
+        check(whole, region)?;
+        if !self.options.keeps_unchanged {
+            *self = Self::new(self.options);
         }
-        if !faults.is_empty() {
-            return Err(CompileError::Invalid(faults));
-        }
-        let shrunk = excerpt.map(|excerpt| excerpt.design(whole));
+        let shrunk = region.map(|region| region.design(whole));
         let design = shrunk.as_ref().unwrap_or(whole);
-        if !self.skips.has(Skip::UnchangedSections) {
-            *self = Self::new(self.skips);
-        }
-        let old = self.scene.clone();
-        let old = old.as_deref();
-        let sheet = SheetGeometry {
-            excerpt,
-            ..SheetGeometry::new(design)
-        };
+        let last = self.scene.clone();
+        let last = last.as_deref();
+        let sheet = sheet_of(design, region);
         let skeleton = Skeleton::new(&design.weave, &design.skeleton).wet(design.finish.wetness);
         let materials = Materials::new(design);
         let optics = PileOptics::new(&materials);
 
         let loops_inputs = self.loops_inputs(design, &sheet);
         let kept_loops = kept(self.loops.as_ref(), &loops_inputs);
-        let is_part = seen.is_some() && kept_loops.is_none();
+        let is_part = visible.is_some() && kept_loops.is_none();
         let loops = match kept_loops {
             Some(loops) => loops,
-            None => Section::new(self.build_loops(&loops_inputs, seen, cancel)?),
+            None => Section::new(self.build_loops(&loops_inputs, visible, cancel)?),
         };
-
-        let looks_inputs = LooksInputs {
-            chart: design.chart.clone(),
-            length: design.length.clone(),
-            pile: design.pile.clone(),
-            bounces: design.quality.bounces,
-            ground: design.skeleton.colour,
-            wetness: design.finish.wetness,
-            sheared: design.finish.sheared,
-            seed: design.turbulence.seed,
-        };
-        let looks_inputs = (looks_inputs, loops.clone());
+        let looks_inputs = (LooksInputs::new(design), loops.clone());
         let looks = match kept(self.looks.as_ref(), &looks_inputs) {
             Some(looks) => looks,
             None => {
                 let new = timed(&mut self.report.seconds.looks, || {
                     looks(design, &sheet, &loops, &materials, cancel)
                 });
-                keep(old.map(|old| &old.looks), new)
+                keep(last.map(|last| &last.looks), new)
             }
         };
         cancel.check()?;
-
-        let volumes_inputs = VolumesInputs::new(design, &materials, &optics);
-        let volumes = match kept(self.volumes.as_ref(), &volumes_inputs) {
-            Some(volumes) => volumes,
-            None => {
-                let seconds = &mut self.report.seconds.volumes;
-                let new = timed(seconds, || volumes_inputs.build(cancel));
-                cancel.check()?;
-                let volumes = Section::new(new);
-                self.volumes = Some((volumes_inputs, volumes.clone()));
-                volumes
-            }
+        let volumes = self.volumes_of(VolumesInputs::new(design, &materials, &optics), cancel)?;
+        let lights = Lights::new(&design.light);
+        let lights = match region {
+            Some(region) => lights.in_region(&region, whole),
+            None => lights,
         };
-
-        let mut lights = Lights::new(&design.light);
-        if let Some(excerpt) = excerpt {
-            lights = lights.in_excerpt(&excerpt, whole);
-        }
         let form = self.form_of(&design.form, &sheet, &loops, &skeleton)?;
         let scene = Scene {
-            sheet: keep(old.map(|old| &old.sheet), sheet),
+            sheet: keep(last.map(|last| &last.sheet), sheet),
             loops,
             looks,
             volumes,
-            pile: keep(old.map(|old| &old.pile), optics),
-            skeleton: keep(old.map(|old| &old.skeleton), skeleton),
+            pile: keep(last.map(|last| &last.pile), optics),
+            skeleton: keep(last.map(|last| &last.skeleton), skeleton),
             form,
-            lights: keep(old.map(|old| &old.lights), lights),
+            lights: keep(last.map(|last| &last.lights), lights),
         };
-        self.report.kept = old.map_or([false; SECTIONS.len()], |old| scene.same_sections(old));
+        self.report.kept = last.map_or([false; SECTIONS.len()], |last| scene.same_sections(last));
         self.report.seconds.total = start.elapsed().as_secs_f64();
         if is_part {
-            return Ok(SeenScene::Part(Arc::new(scene)));
+            return Ok(PreviewScene::Part(Arc::new(scene)));
         }
         self.loops = Some((loops_inputs, scene.loops.clone()));
         self.looks = Some((looks_inputs, scene.looks.clone()));
@@ -394,7 +374,22 @@ impl Compiler {
             None => Arc::new(scene),
         };
         self.scene = Some(Arc::clone(&scene));
-        Ok(SeenScene::Whole(scene))
+        Ok(PreviewScene::Whole(scene))
+    }
+
+    fn volumes_of(
+        &mut self,
+        inputs: VolumesInputs,
+        cancel: &Cancel<'_>,
+    ) -> Result<Section<Volumes>, CompileError> {
+        if let Some(volumes) = kept(self.volumes.as_ref(), &inputs) {
+            return Ok(volumes);
+        }
+        let seconds = &mut self.report.seconds.volumes;
+        let volumes = Section::new(timed(seconds, || inputs.build(cancel)));
+        cancel.check()?;
+        self.volumes = Some((inputs, volumes.clone()));
+        Ok(volumes)
     }
 
     fn loops_inputs(&mut self, design: &Design, sheet: &SheetGeometry) -> LoopsInputs {
@@ -458,17 +453,17 @@ impl Compiler {
     fn build_loops(
         &mut self,
         inputs: &LoopsInputs,
-        seen: Option<&SeenCells>,
+        visible: Option<&VisibleCells>,
         cancel: &Cancel<'_>,
     ) -> Result<Loops, CompileError> {
         let (standing, cells) = timed(&mut self.report.seconds.lengths, || {
             let standing = inputs.standing();
-            let cells = seen.map(|seen| seen.planted_in().and(&standing));
+            let cells = visible.map(|visible| visible.planted_in().and(&standing));
             (standing, cells)
         });
-        let frames = match (seen, &cells) {
-            (Some(seen), Some(cells)) => Frames::Seen(cells, seen),
-            _ if self.skips.has(Skip::UnplantedLoops) => Frames::Of(&standing),
+        let frames = match (visible, &cells) {
+            (Some(visible), Some(cells)) => Frames::Visible(cells, visible),
+            _ if self.options.skips_unplanted => Frames::Of(&standing),
             _ => Frames::All,
         };
         let turbulence = self.turbulence_of(inputs, frames, &standing, cancel)?;
@@ -537,6 +532,30 @@ impl Scene {
     }
 }
 
+/// Fails where a design, or all of it where no region of it is asked for, cannot have a scene.
+fn check(design: &Design, region: Option<LodRegion>) -> Result<(), CompileError> {
+    let mut faults = design.faults();
+    if region.is_none()
+        && let Some(fault) = design.sheet.fault_of_all_cells()
+        && faults.iter().all(|other| other.path != fault.path)
+    {
+        faults.push(fault);
+    }
+    if faults.is_empty() {
+        Ok(())
+    } else {
+        Err(CompileError::Invalid(faults))
+    }
+}
+
+/// The sheet of a design, or of a region of a larger one.
+fn sheet_of(design: &Design, region: Option<LodRegion>) -> SheetGeometry {
+    SheetGeometry {
+        region,
+        ..SheetGeometry::new(design)
+    }
+}
+
 /// The old section if it has this value, else a new one.
 fn keep<T: PartialEq>(old: Option<&Section<T>>, new: T) -> Section<T> {
     match old {
@@ -553,7 +572,22 @@ impl SheetGeometry {
             wefts: design.sheet.wefts,
             pitch_x_mm: design.sheet.pitch_x(),
             pitch_y_mm: design.sheet.pitch_y(),
-            excerpt: None,
+            region: None,
+        }
+    }
+}
+
+impl LooksInputs {
+    fn new(design: &Design) -> Self {
+        Self {
+            chart: design.chart.clone(),
+            length: design.length.clone(),
+            pile: design.pile.clone(),
+            bounces: design.quality.bounces,
+            ground: design.skeleton.colour,
+            wetness: design.finish.wetness,
+            sheared: design.finish.sheared,
+            seed: design.turbulence.seed,
         }
     }
 }

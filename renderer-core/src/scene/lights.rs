@@ -4,7 +4,8 @@ use std::f64::consts::FRAC_PI_2;
 
 use glam::DVec3;
 
-use super::{AreaLight, Excerpt, Lights, Sky, SunLight};
+use super::lod::LodRegion;
+use super::{AreaLight, Lights, Sky, SunLight};
 use crate::design::{self, Design, Environment, EnvironmentKind, Light, Sun};
 
 impl Lights {
@@ -28,12 +29,12 @@ impl Lights {
 }
 
 impl Lights {
-    /// The same lights over an excerpt of a design.
-    pub(super) fn in_excerpt(mut self, excerpt: &Excerpt, design: &Design) -> Self {
-        let scale = excerpt.scale();
+    /// The same lights over a region of a design.
+    pub(super) fn in_region(mut self, region: &LodRegion, design: &Design) -> Self {
+        let scale = region.scale();
         for area in &mut self.areas {
             let centre = DVec3::from_array(area.centre);
-            area.centre = excerpt.excerpt_from_world(design, centre, 0.0).to_array();
+            area.centre = region.region_from_world(design, centre, 0.0).to_array();
             area.half_sides = area.half_sides.map(|side| side.map(|mm| mm * scale));
             area.intensity = area.intensity.map(|mm2| mm2 * scale * scale);
         }

@@ -7,8 +7,9 @@ use super::chart::ChartOnSheet;
 use super::finish::{is_shorn, shear_mm, shorn, wet_pile, wet_reflectance};
 use super::frames::loop_hash;
 use super::length::{ColourCache, LengthRule};
+use super::lod::LodRegion;
 use super::skeleton::Face;
-use super::{Cancel, Excerpt, LoopLook, Loops, Material, PileOptics, SheetGeometry};
+use super::{Cancel, LoopLook, Loops, Material, PileOptics, PlantedLoop, SheetGeometry};
 use crate::design::{Colour, Design, Phase, Pile, PileKind, Sheared};
 use crate::sampling::hash_with;
 
@@ -105,79 +106,27 @@ pub(super) fn looks(
     materials: &Materials,
     cancel: &Cancel<'_>,
 ) -> Vec<LoopLook> {
-    let [warps, wefts] = sheet.whole_cells();
-    let chart = ChartOnSheet::new(&design.chart, warps, wefts);
-    let rule = LengthRule::new(&design.length);
-    let wetness = design.finish.wetness;
-    let shears_mm = [Face::Front, Face::Back].map(|face| shear_mm(&design.finish, face));
-    let dye = |material: &Material| Dye {
-        phase: material.phase,
-        transmission: f64::from(material.transmission),
-        ground: design
-            .skeleton
-            .colour
-            .linear()
-            .map(|ground| wet_reflectance(ground, wetness)),
-        bounces: design.quality.bounces,
-        max_albedo: design.pile.max_albedo,
-    };
-    let tables: Vec<AlbedoTable> = materials
-        .list
-        .iter()
-        .map(|material| AlbedoTable::new(&dye(material)))
-        .collect();
-    // Albedo and material of a loop that has the length, the pile and so on of one colour, and looks like some linear light.
-    let dyed = |colour: [u8; 3], linear: [f64; 3]| -> ([u16; 3], u8) {
-        let row = rule.row(colour);
-        let scale = row.map_or(1.0, |row| design.length.table[row].albedo_scale);
-        let material = row.map_or(0, |row| materials.of_row[row]);
-        let table = &tables[usize::from(material)];
-        let albedo = wet_albedo_from_reflectance(linear, table, wetness);
-        let stored = albedo.map(|a| ((a * scale).clamp(0.0, 1.0) * 65535.0).round() as u16);
-        (stored, material)
-    };
-    let of_colour = |colour: [u8; 3]| dyed(colour, Colour(colour).linear());
-    let merging = sheet.excerpt.filter(|excerpt| excerpt.halvings > 0);
-    let merging = merging.filter(|_| !chart.is_uniform());
+    let dyer = Dyer::new(design, materials);
+    let painter = Painter::new(design, sheet, loops, materials);
+    let linear_of = |colour| Colour(colour).linear();
+    let dyed_of = |colour| dyer.dyed(colour, linear_of(colour));
     let rows: Vec<Vec<LoopLook>> = (0..loops.sheet_block_rows(sheet))
         .into_par_iter()
         .map_init(
-            || {
-                let linear = |colour| Colour(colour).linear();
-                (ColourCache::new(of_colour), ColourCache::new(linear))
-            },
-            |(cache, linear), row| {
+            || (ColourCache::new(dyed_of), ColourCache::new(linear_of)),
+            |(dyed, linear), row| {
                 if cancel.is_cancelled() {
                     return Vec::new();
                 }
-                let looks = loops.planted_in_block_row(sheet, row).map(|planted| {
-                    let cell = planted.cell.map(|index| index as usize);
-                    let [i, j] = sheet.original(cell[0], cell[1]);
-                    // A loop stands only where the chart has a colour.
-                    let colour = chart.colour(i, j).unwrap_or_default();
-                    let mean = merging.and_then(|excerpt| {
-                        mean_colour(&excerpt, &chart, cell, colour, |colour| linear.get(colour))
-                    });
+                let planted = loops.planted_in_block_row(sheet, row);
+                let looks = planted.map(|planted| {
+                    let colour = painter.colour(&planted);
+                    let mean = painter.mean_colour(&planted, colour, |colour| linear.get(colour));
                     let (albedo, material) = match mean {
-                        Some(mean) => dyed(colour, mean),
-                        None => cache.get(colour),
+                        Some(mean) => dyer.dyed(colour, mean),
+                        None => dyed.get(colour),
                     };
-                    let hash = loop_hash(design.turbulence.seed, i as u32, j as u32, planted.face);
-                    let is_shorn = |shear_mm| {
-                        let patch = loops.patch(planted.index as usize);
-                        is_shorn(&patch, planted.face, shear_mm, loops.length_unit_mm)
-                    };
-                    let material = match shears_mm[usize::from(planted.face == Face::Back)] {
-                        Some(shear_mm) if is_shorn(shear_mm) => {
-                            materials.shorn[usize::from(material)]
-                        }
-                        _ => material,
-                    };
-                    LoopLook {
-                        albedo,
-                        variant: (hash_with(hash, 4) % design.pile.variants) as u8,
-                        material,
-                    }
+                    painter.look(&planted, albedo, material)
                 });
                 looks.collect()
             },
@@ -186,24 +135,140 @@ pub(super) fn looks(
     rows.concat()
 }
 
-/// The mean of the colours that a cell of halved cloth stands for, linear; `None` if all are `own`. A loop that had one of them
-/// by chance would have the right mean as well, but what a chart draws would go down in noise where loops are larger than it.
-fn mean_colour(
-    excerpt: &Excerpt,
-    chart: &ChartOnSheet<'_>,
-    [i, j]: [usize; 2],
-    own: [u8; 3],
-    mut linear: impl FnMut([u8; 3]) -> [f64; 3],
-) -> Option<[f64; 3]> {
-    let (mut sum, mut count, mut differ) = ([0.0; 3], 0.0, false);
-    for [i, j] in excerpt.spread_originals(i, j) {
-        let Some(colour) = chart.colour(i, j) else {
-            continue;
+/// Gives a loop of some colour its albedo and material.
+struct Dyer<'a> {
+    design: &'a Design,
+    materials: &'a Materials,
+    rule: LengthRule,
+    /// For each material.
+    tables: Vec<AlbedoTable>,
+}
+
+impl<'a> Dyer<'a> {
+    fn new(design: &'a Design, materials: &'a Materials) -> Self {
+        let ground = design.skeleton.colour.linear();
+        let ground = ground.map(|ground| wet_reflectance(ground, design.finish.wetness));
+        let table = |material: &Material| {
+            AlbedoTable::new(&Dye {
+                phase: material.phase,
+                transmission: f64::from(material.transmission),
+                ground,
+                bounces: design.quality.bounces,
+                max_albedo: design.pile.max_albedo,
+            })
         };
-        differ |= colour != own;
-        let linear = linear(colour);
-        sum = [0, 1, 2].map(|channel| sum[channel] + linear[channel]);
-        count += 1.0;
+        Self {
+            design,
+            materials,
+            rule: LengthRule::new(&design.length),
+            tables: materials.list.iter().map(table).collect(),
+        }
     }
-    differ.then(|| sum.map(|sum| sum / count))
+
+    /// Albedo, in 65535ths, and material of a loop that has the length, the pile and so on of one colour, and looks like some
+    /// linear light.
+    fn dyed(&self, colour: [u8; 3], linear: [f64; 3]) -> ([u16; 3], u8) {
+        let row = self.rule.row(colour);
+        let scale = row.map_or(1.0, |row| self.design.length.table[row].albedo_scale);
+        let material = row.map_or(0, |row| self.materials.of_row[row]);
+        let table = &self.tables[usize::from(material)];
+        let albedo = wet_albedo_from_reflectance(linear, table, self.design.finish.wetness);
+        let stored = albedo.map(|a| ((a * scale).clamp(0.0, 1.0) * 65535.0).round() as u16);
+        (stored, material)
+    }
+}
+
+/// Knows of each planted loop what the chart, the shears and chance make of its look.
+struct Painter<'a> {
+    sheet: &'a SheetGeometry,
+    loops: &'a Loops,
+    materials: &'a Materials,
+    chart: ChartOnSheet<'a>,
+    /// The region whose cells stand for several of a chart of several colours.
+    mixing: Option<LodRegion>,
+    /// Height at which the loops of the front and of the back are shorn, mm.
+    shears_mm: [Option<f64>; 2],
+    seed: u32,
+    variants: u32,
+}
+
+impl<'a> Painter<'a> {
+    fn new(
+        design: &'a Design,
+        sheet: &'a SheetGeometry,
+        loops: &'a Loops,
+        materials: &'a Materials,
+    ) -> Self {
+        let [warps, wefts] = sheet.whole_cells();
+        let chart = ChartOnSheet::new(&design.chart, warps, wefts);
+        let mixing = sheet.region.filter(|region| region.lod > 0);
+        Self {
+            sheet,
+            loops,
+            materials,
+            mixing: mixing.filter(|_| !chart.is_uniform()),
+            chart,
+            shears_mm: [Face::Front, Face::Back].map(|face| shear_mm(&design.finish, face)),
+            seed: design.turbulence.seed,
+            variants: design.pile.variants,
+        }
+    }
+
+    /// The cell of the whole cloth that a loop is the copy of.
+    fn original(&self, planted: &PlantedLoop) -> [usize; 2] {
+        let [i, j] = planted.cell.map(|index| index as usize);
+        self.sheet.original(i, j)
+    }
+
+    /// A loop's own colour.
+    fn colour(&self, planted: &PlantedLoop) -> [u8; 3] {
+        let [i, j] = self.original(planted);
+        // A loop stands only where the chart has a colour.
+        self.chart.colour(i, j).unwrap_or_default()
+    }
+
+    /// The mean of the colours that a loop's cell stands for, linear; `None` if all are its `own`. A loop that had one of them
+    /// by chance would have the right mean as well, but what a chart draws would go down in noise where loops are larger than it.
+    fn mean_colour(
+        &self,
+        planted: &PlantedLoop,
+        own: [u8; 3],
+        mut linear: impl FnMut([u8; 3]) -> [f64; 3],
+    ) -> Option<[f64; 3]> {
+        let [i, j] = planted.cell.map(|index| index as usize);
+        let (mut sum, mut count, mut differ) = ([0.0; 3], 0.0, false);
+        for [i, j] in self.mixing?.spread_originals(i, j) {
+            let Some(colour) = self.chart.colour(i, j) else {
+                continue;
+            };
+            differ |= colour != own;
+            let linear = linear(colour);
+            sum = [0, 1, 2].map(|channel| sum[channel] + linear[channel]);
+            count += 1.0;
+        }
+        differ.then(|| sum.map(|sum| sum / count))
+    }
+
+    /// The look of a loop of some material before the shears.
+    fn look(&self, planted: &PlantedLoop, albedo: [u16; 3], material: u8) -> LoopLook {
+        let [i, j] = self.original(planted);
+        let hash = loop_hash(self.seed, i as u32, j as u32, planted.face);
+        LoopLook {
+            albedo,
+            variant: (hash_with(hash, 4) % self.variants) as u8,
+            material: if self.is_shorn(planted) {
+                self.materials.shorn[usize::from(material)]
+            } else {
+                material
+            },
+        }
+    }
+
+    fn is_shorn(&self, planted: &PlantedLoop) -> bool {
+        let shear_mm = self.shears_mm[usize::from(planted.face == Face::Back)];
+        shear_mm.is_some_and(|shear_mm| {
+            let patch = self.loops.patch(planted.index as usize);
+            is_shorn(&patch, planted.face, shear_mm, self.loops.length_unit_mm)
+        })
+    }
 }

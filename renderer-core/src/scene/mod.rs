@@ -5,6 +5,8 @@
 //! buffer made from it. All backends read the same records: [`LoopShape`], [`LoopLook`], [`BlockHeader`],
 //! [`BlockEntry`] and the voxels of [`Volumes`] are the scene, whatever precision a backend computes with.
 //!
+//! [`lod`] plans which parts of a large cloth a picture needs, and how fine.
+//!
 //! Geometry of a loop is relative to the centre of its own cell, so that a carpet 10⁵ cells wide looks the same in
 //! its last cell as in its first.
 
@@ -15,35 +17,34 @@ mod cells;
 mod chart;
 mod compile;
 mod curve;
-pub mod escape;
-mod excerpt;
 mod finish;
 mod form;
 mod frames;
 mod grid;
 mod length;
 mod lights;
+pub mod lod;
 mod looks;
 mod loops;
 mod nap;
 mod noise_rows;
 mod plant;
 mod report;
-mod seen;
+pub mod scattering_orders;
 mod skeleton;
 mod turbulence;
 mod types;
+mod visible_cells;
 mod volumes;
 
 pub use albedo::{AlbedoTable, Dye, albedo_from_reflectance};
 pub use cancel::Cancel;
 pub use cells::CellSet;
 pub use chart::ChartOnSheet;
-pub use compile::{CompileError, Compiler, SeenScene, compile, warnings};
+pub use compile::{CompileError, Compiler, CompilerOptions, PreviewScene, compile, warnings};
 pub use curve::MonotoneCurve;
-pub use excerpt::Excerpt;
 pub use finish::{LoopFinish, wet_reflectance};
-pub use form::{FormMesh, Net, ORDERS, Order, TetMap, bent_box, net_through};
+pub use form::{FormMesh, KUHN_TETRAHEDRA, KuhnTetrahedron, Net, TetMap, bent_box, net_through};
 pub use frames::{
     FrameSettings, Jitter, LoopInput, MAX_LEAN, MAX_SKEW, MAX_TWIST, loop_hash, loop_shape,
 };
@@ -51,8 +52,8 @@ pub use grid::PlantedLoop;
 pub use length::{LengthRule, luma};
 pub use loops::*;
 pub use report::{CompileReport, SECTIONS, StageSeconds};
-pub use seen::{PileReach, SeenCells};
 pub use skeleton::Face;
 pub use turbulence::{CHANNELS, TurbulenceField};
 pub use types::*;
+pub use visible_cells::{PileReach, VisibleCells};
 pub use volumes::rasterise;

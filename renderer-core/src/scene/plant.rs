@@ -11,7 +11,7 @@ use super::grid::{Planted, WholePile};
 use super::length::Cells;
 use super::skeleton::{Face, RootHeights};
 use super::turbulence::{TurbulenceField, Wanted};
-use super::{Cancel, CellSet, LoopCounts, LoopPatch, SeenCells, SheetGeometry};
+use super::{Cancel, CellSet, LoopCounts, LoopPatch, SheetGeometry, VisibleCells};
 use crate::design::{Back, Turbulence, Weave};
 
 /// Everything that the loops' shapes follow from.
@@ -31,9 +31,9 @@ pub(super) struct LoopsInputs {
 pub(super) enum Frames<'a> {
     /// Those of the loops that stand in these cells.
     Of(&'a CellSet),
-    /// Those of the loops that stand in these cells, to keep the loops that reach cells that are seen.
-    Seen(&'a CellSet, &'a SeenCells),
-    /// Both of every cell, to drop those that do not stand: what [`Skip::UnplantedLoops`](crate::render::Skip) leaves out.
+    /// Those of the loops that stand in these cells, to keep the loops that reach visible cells.
+    Visible(&'a CellSet, &'a VisibleCells),
+    /// Both of every cell, to drop those that do not stand: what [`CompilerOptions::skips_unplanted`](super::CompilerOptions) leaves out.
     All,
 }
 
@@ -109,7 +109,7 @@ impl LoopsInputs {
         let settings = self.frames.common();
         let tilts = self.frames.all().iter().any(|row| row.tilt != 0.0);
         match frames {
-            Frames::Of(cells) | Frames::Seen(cells, _) => Wanted {
+            Frames::Of(cells) | Frames::Visible(cells, _) => Wanted {
                 cells: cells.clone().or(&Self::sampled(standing)),
                 channels: [tilts, tilts, settings.stretch != 0.0, settings.twist != 0.0],
             },
@@ -134,7 +134,9 @@ impl LoopsInputs {
                 }
                 match frames {
                     Frames::Of(cells) => self.row(turbulence, &faces, cells, None, j),
-                    Frames::Seen(cells, seen) => self.row(turbulence, &faces, cells, Some(seen), j),
+                    Frames::Visible(cells, visible) => {
+                        self.row(turbulence, &faces, cells, Some(visible), j)
+                    }
                     Frames::All => self.whole_row(turbulence, &faces, j),
                 }
             })
@@ -166,7 +168,7 @@ impl LoopsInputs {
         turbulence: &TurbulenceField,
         faces: &Faces,
         cells: &CellSet,
-        seen: Option<&SeenCells>,
+        visible: Option<&VisibleCells>,
         j: usize,
     ) -> Row {
         let mut row = Row::with_room_for(cells.row_len(j));
@@ -180,8 +182,8 @@ impl LoopsInputs {
                 let mut counts = row.counts;
                 let shape = loop_shape(settings, &input, &mut counts);
                 row.frames_made += 1;
-                if let (Some(shape), Some(seen)) = (&shape, seen)
-                    && !seen.meets_loop([i as i64, j as i64], self.box_of(shape))
+                if let (Some(shape), Some(visible)) = (&shape, visible)
+                    && !visible.meets_loop([i as i64, j as i64], self.box_of(shape))
                 {
                     continue;
                 }

@@ -6,10 +6,10 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
-use super::{Excerpt, FormMesh, Loops};
+use super::lod::LodRegion;
+use super::{FormMesh, Loops};
 use crate::design::{
-    EnvironmentImage, EnvironmentLight, Interpolation, Phase, PileKind, SkeletonHeight,
-    SkeletonShading,
+    EnvironmentImage, Interpolation, Phase, PileKind, SkeletonHeight, SkeletonShading,
 };
 
 /// A part of a scene. Equality is identity: an unchanged part is the same `Arc`.
@@ -110,7 +110,7 @@ pub struct SheetGeometry {
     /// Size of a cell along y, mm.
     pub pitch_y_mm: f64,
     /// Which part of a larger cloth this is; `None` for a whole one.
-    pub excerpt: Option<Excerpt>,
+    pub region: Option<LodRegion>,
 }
 
 impl SheetGeometry {
@@ -307,21 +307,6 @@ pub enum Sky {
 impl Sky {
     /// Sine of the depth below the horizon at which the gradient has reached the ground's colour.
     pub const HAZE: f64 = 0.3;
-    /// Share of the directions to a drawn sky that follow the phase all the same: what a picture's light does not tell is which
-    /// part of it is shaded.
-    pub const PHASE_SHARE: f32 = 0.25;
-
-    /// The light of a picture that directions are drawn by, and the azimuth of its middle, radians; `None` if they follow the
-    /// phase alone. Light of such a sky comes by shadow rays only, at every scattering, never by paths that leave the cloth.
-    #[inline(always)]
-    pub fn drawn(&self) -> Option<(&EnvironmentLight, f64)> {
-        match self {
-            Self::Image { image, middle } if image.light().is_uneven() => {
-                Some((image.light(), *middle))
-            }
-            _ => None,
-        }
-    }
 }
 
 /// Lights and background.

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use renderer_core::cpu::CpuBackend;
 use renderer_core::design::{Design, Method};
-use renderer_core::render::{Backend, BackendKind, Skip};
+use renderer_core::render::{Backend, BackendKind, Optimisation};
 use renderer_core::scene::{Compiler, SECTIONS, compile};
 use towel_designer::cli::bench::costs::{Cost, largest};
 use towel_designer::cli::bench::first_picture::{Edit, FirstPictures, camera, edit};
@@ -71,10 +71,10 @@ fn distances_are_compared_with_the_whole_cloth() {
     assert!(is_measured >= 2, "{measured:?}");
     let numbers = |name: &str| distances.column(name)[..is_measured].to_vec();
     let number = |text: &str| text.parse::<f64>().unwrap();
-    for (cells, halvings) in numbers("cells a pixel").iter().zip(numbers("halvings")) {
+    for (cells, lod) in numbers("cells a pixel").iter().zip(numbers("lod")) {
         // Four loops along each side of a pixel are left.
-        let left = number(cells) / 2.0_f64.powf(number(halvings));
-        assert!((2.0..8.5).contains(&left), "{cells} {halvings}");
+        let left = number(cells) / 2.0_f64.powf(number(lod));
+        assert!((2.0..8.5).contains(&left), "{cells} {lod}");
     }
     for brightness in numbers("brightness over the whole cloth's") {
         assert!((0.8..1.25).contains(&number(brightness)), "{brightness}");
@@ -206,19 +206,22 @@ fn every_part_writes_its_table_and_plots() {
 }
 
 fn skips_are_compared(table: &Table) {
-    assert_eq!(table.column("skip"), Skip::ALL.map(Skip::name));
+    assert_eq!(
+        table.column("skip"),
+        Optimisation::ALL.map(Optimisation::name)
+    );
     let column = |name| table.column(name);
     let (measured, difference) = (
         column("measured"),
         column("difference of pictures [relRMSE]"),
     );
     let counted = [column("counted with"), column("counted without")];
-    for (row, skip) in Skip::ALL.into_iter().enumerate() {
+    for (row, skip) in Optimisation::ALL.into_iter().enumerate() {
         let found = measured[row];
         match skip {
-            Skip::Idle => assert!(found.contains("switch"), "{found}"),
+            Optimisation::Idle => assert!(found.contains("switch"), "{found}"),
             // There is no Vulkan in this test.
-            Skip::HiddenGround | Skip::UnusedShading => {
+            Optimisation::HiddenGround | Optimisation::UnusedShading => {
                 assert!(found.starts_with("no: GPU alone"), "{skip}: {found}");
             }
             _ => {
@@ -228,20 +231,30 @@ fn skips_are_compared(table: &Table) {
                 // Single, one scattering: but for rounding and the last of the light the samples are the same, and tiles that
                 // end at an error are what noise is about.
                 let difference: f64 = difference[row].parse().unwrap();
-                let is_exact = !matches!(skip, Skip::ConvergedTiles);
+                let is_exact = !matches!(skip, Optimisation::ConvergedTiles);
                 assert!(!is_exact || difference < 1e-3, "{skip}: {difference}");
             }
         }
     }
-    let of = |skip: Skip, name: &str| {
-        let row = Skip::ALL.iter().position(|other| *other == skip).unwrap();
+    let of = |skip: Optimisation, name: &str| {
+        let row = Optimisation::ALL
+            .iter()
+            .position(|other| *other == skip)
+            .unwrap();
         table.column(name)[row].parse::<f64>().unwrap()
     };
-    for skip in [Skip::EmptyCells, Skip::RepeatedTests, Skip::OpaqueRays] {
+    for skip in [
+        Optimisation::EmptyCells,
+        Optimisation::RepeatedTests,
+        Optimisation::OpaqueRays,
+    ] {
         assert!(of(skip, "counted with") > 0.0 && of(skip, "counted without") == 0.0);
     }
-    assert!(of(Skip::EmptyCells, "patch tests with") < of(Skip::EmptyCells, "patch tests without"));
-    assert_eq!(of(Skip::UnplantedLoops, "counted without"), 0.0);
+    assert!(
+        of(Optimisation::EmptyCells, "patch tests with")
+            < of(Optimisation::EmptyCells, "patch tests without")
+    );
+    assert_eq!(of(Optimisation::UnplantedLoops, "counted without"), 0.0);
 }
 
 fn backends_are_compared(table: &Table) {
@@ -306,10 +319,14 @@ fn skips_have_their_switch_where_the_bench_says() {
             request
         };
         let listed = drawing_skips(BackendKind::Cpu, method);
-        for skip in Skip::ALL {
-            let counters = [with.settings.skips, with.settings.skips.without(skip)].map(|skips| {
+        for skip in Optimisation::ALL {
+            let counters = [
+                with.settings.optimisations,
+                with.settings.optimisations.without(skip),
+            ]
+            .map(|skips| {
                 let mut request = with.clone();
-                request.settings.skips = skips;
+                request.settings.optimisations = skips;
                 let mut cpu = CpuBackend::default();
                 finish(&mut cpu, &request);
                 cpu.counters().unwrap()
@@ -321,20 +338,26 @@ fn skips_have_their_switch_where_the_bench_says() {
     // Who draws plainly on the processor leaves out nothing within a tile.
     let plain = drawing_skips(BackendKind::Cpu, Method::Exact);
     assert_eq!(plain, drawing_skips(BackendKind::Reference, Method::Single));
-    assert_eq!(plain, [Skip::BackgroundTiles]);
+    assert_eq!(plain, [Optimisation::BackgroundTiles]);
     let gpu = drawing_skips(BackendKind::Gpu, Method::Tracked);
-    assert!(gpu.contains(&Skip::UnusedShading) && !gpu.contains(&Skip::RepeatedTests));
+    assert!(
+        gpu.contains(&Optimisation::UnusedShading) && !gpu.contains(&Optimisation::RepeatedTests)
+    );
     // Curves are of these, and of what ends tiles at an error, whatever draws.
     for kind in [BackendKind::Cpu, BackendKind::Gpu, BackendKind::Reference] {
         let mut curves = curve_skips(kind, Method::Single);
-        curves.retain(|skip| *skip != Skip::ConvergedTiles);
+        curves.retain(|skip| *skip != Optimisation::ConvergedTiles);
         assert_eq!(curves, drawing_skips(kind, Method::Single));
         assert!(curve_skips(kind, Method::Single).len() > curves.len());
     }
-    let compiled = switch_of(Skip::UnplantedLoops, BackendKind::Gpu, Method::Single);
+    let compiled = switch_of(
+        Optimisation::UnplantedLoops,
+        BackendKind::Gpu,
+        Method::Single,
+    );
     assert_eq!(compiled, Switch::Compiling);
     // Every skip but two can be told by a number.
-    let without = Skip::ALL.map(|skip| counter_of(skip, &Default::default()));
+    let without = Optimisation::ALL.map(|skip| counter_of(skip, &Default::default()));
     assert_eq!(
         without.iter().filter(|counter| counter.is_none()).count(),
         2

@@ -16,7 +16,7 @@ impl Backend for Stripes {
     }
 
     fn begin(&mut self, request: &RenderRequest) -> Result<(), RenderError> {
-        self.1 = request.scene.sheet.warps;
+        self.1 = request.scene().sheet.warps;
         self.0.begin(request)
     }
 

@@ -149,7 +149,7 @@ pub(crate) fn open_seldom_needed(harness: &mut Harness<'_, App>) {
     for heading in [
         "More about loops",
         "Light in the pile",
-        "Fineness of the volume",
+        "LodSelector of the volume",
         "More about clumps",
         "More about ground yarns",
         "More about quality",

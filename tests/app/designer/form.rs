@@ -5,7 +5,7 @@ use egui::{Modifiers, Pos2, Vec2, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use glam::DVec3;
 use renderer_core::design::FormKind;
-use renderer_core::render::Camera;
+use renderer_core::geometry::Camera;
 use renderer_core::scene::compile;
 use towel_designer::designer::camera_moves;
 

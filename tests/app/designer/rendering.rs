@@ -105,7 +105,7 @@ impl Backend for Scripted {
 
     fn begin(&mut self, request: &RenderRequest) -> Result<(), RenderError> {
         self.count();
-        let loops = request.scene.loops.counts.planted;
+        let loops = request.scene().loops.counts.planted;
         let mut begun = self.script.begun.lock().unwrap();
         begun.push((request.size, loops));
         drop(begun);

@@ -3,7 +3,7 @@
 use egui::{Event, MouseWheelSource, MouseWheelUnit, TouchPhase};
 use glam::{DVec2, DVec3};
 use renderer_core::design::CameraDesign;
-use renderer_core::render::Camera;
+use renderer_core::geometry::Camera;
 use towel_designer::designer::{Folders, camera_moves};
 
 use super::compare::striped;
@@ -453,15 +453,15 @@ fn what_lies_under_the_pointer_is_read_out() {
 fn cloth_without_end_is_made_where_one_looks() {
     let preset = crate::support::scenes::preset_path("endless-carpet");
     let mut harness = designer(Some(preset));
-    let excerpt = |h: &Harness<'_, App>| {
+    let region = |h: &Harness<'_, App>| {
         let cloth = h.state().viewport().state().scene.cloth.as_ref();
-        cloth.and_then(|cloth| cloth.nearest.sheet.excerpt)
+        cloth.and_then(|cloth| cloth.scenes.nearest.sheet.region)
     };
     wait(&mut harness, "the picture", |h| {
         h.state().viewport().state().picture.progress.done
     });
-    let here = excerpt(&harness).expect("an excerpt");
-    assert!(here.halvings == 0 && here.len() < 200_000, "{here:?}");
+    let here = region(&harness).expect("a region");
+    assert!(here.lod == 0 && here.len() < 200_000, "{here:?}");
     let middle = picture_rect(&harness).center();
     harness.hover_at(middle);
     harness.run_steps(4);
@@ -476,12 +476,12 @@ fn cloth_without_end_is_made_where_one_looks() {
         harness.run_steps(4);
     };
     by(&mut harness, vec2(4.0, 0.0));
-    assert_eq!(excerpt(&harness), Some(here));
+    assert_eq!(region(&harness), Some(here));
     for _ in 0..4 {
         by(&mut harness, vec2(-400.0, 0.0));
     }
     wait(&mut harness, "cloth farther right", |h| {
-        excerpt(h).is_some_and(|there| there.first[0] > here.first[0])
+        region(h).is_some_and(|there| there.first[0] > here.first[0])
     });
     harness.hover_at(middle);
     harness.run_steps(4);
@@ -494,9 +494,9 @@ fn cloth_without_end_is_made_where_one_looks() {
         harness.run_steps(3);
     }
     wait(&mut harness, "the carpet from afar", |h| {
-        excerpt(h).is_some_and(|excerpt| excerpt.halvings > 0)
+        region(h).is_some_and(|region| region.lod > 0)
     });
-    let far = excerpt(&harness).expect("an excerpt");
+    let far = region(&harness).expect("a region");
     assert!(far.len() <= 1 << 20);
 
     // Where the camera leaves what is there, a coarse picture of the rest is shown before all of it is made.
@@ -509,10 +509,10 @@ fn cloth_without_end_is_made_where_one_looks() {
     let was_glimpsed = std::cell::Cell::new(false);
     wait(&mut harness, "the cloth there", |h| {
         let state = h.state().viewport().state();
-        if state.picture.is_reduced && excerpt(h) == Some(far) {
+        if state.picture.is_reduced && region(h) == Some(far) {
             was_glimpsed.set(true);
         }
-        excerpt(h) != Some(far)
+        region(h) != Some(far)
     });
     assert!(was_glimpsed.get());
 }

@@ -123,7 +123,7 @@ fn blocks_of_all_sizes_are_among_them() {
         .iter()
         .map(|edit| {
             let (_, design) = towel(&[edit]);
-            request(&design, SIZE).scene.loops.block_cells
+            request(&design, SIZE).scene().loops.block_cells
         })
         .collect();
     assert_eq!(Vec::from_iter(sizes), [1, 2, 4]);

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use renderer_core::cpu::CpuBackend;
 use renderer_core::design::{AreaLight, Colour, Design, Method, Phase, Sun};
-use renderer_core::optics::Lamp;
+use renderer_core::optics::Light;
 use renderer_core::render::Backend;
 use renderer_core::scene::{Lights, compile};
 
@@ -128,7 +128,7 @@ fn a_point_that_scatters_equally_takes_the_solid_angle() {
             let expected = radiance(&light) * solid_angle(corners(&light), point) / (4.0 * PI);
             for &method in methods {
                 let mut request = request(scene.clone(), method, 1);
-                request.camera = needle_camera(middle, DVec3::X);
+                request.view.levels.nearest.camera = needle_camera(middle, DVec3::X);
                 (request.size, request.crop) = ([16, 16], [0, 0, 16, 16]);
                 request.settings.samples = 16;
                 request.settings.shadows = false;
@@ -241,9 +241,9 @@ fn a_light_shines_on_one_side() {
         ..Design::default().light
     };
     let lights = Lights::new(&design);
-    let (lamp, _) = Lamp::of(&lights, 0, 1).expect("the light");
-    assert!(Lamp::of(&lights, 1, 1).is_none());
-    let at = |z: f64| lamp.towards(DVec3::new(0.0, 0.0, z), [0.5, 0.5]);
+    let (light, _) = Light::of(&lights, 0, 1).expect("the light");
+    assert!(Light::of(&lights, 1, 1).is_none());
+    let at = |z: f64| light.towards(DVec3::new(0.0, 0.0, z), [0.5, 0.5]);
     let (direction, before) = at(9.0);
     assert!(direction.distance(DVec3::Z) < 1e-12, "{direction}");
     assert!(before.x > 0.0);
@@ -276,7 +276,7 @@ fn a_light_in_the_cloth_is_refused_and_one_that_touches_it_is_drawn() {
         // All of the cloth is before it.
         let plane = corners(&design.light.area[0])[0];
         let facing = -(corners(&design.light.area[0])[2] + plane).normalize();
-        let [low, high] = renderer_core::render::cloth_box(&request.scene);
+        let [low, high] = renderer_core::render::cloth_box(request.scene());
         for k in 0..8 {
             let side = |axis: usize| {
                 if k >> axis & 1 == 0 {

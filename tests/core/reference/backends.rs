@@ -6,17 +6,20 @@ use std::time::Duration;
 
 use glam::DVec3;
 use renderer_core::cpu::CpuBackend;
-use renderer_core::design::{CameraDesign, Design, Interpolation, Method, Sampler};
+use renderer_core::design::{CameraDesign, Design, Interpolation, Method};
+use renderer_core::geometry::Camera;
 use renderer_core::image::Picture;
 use renderer_core::image::metrics;
 use renderer_core::reference::ReferenceBackend;
 use renderer_core::render::accumulation::{Accumulation, Pass, Sample};
 use renderer_core::render::{
-    Backend, BackendKind, Camera, Counters, Levels, Progress, RenderError, RenderRequest, Settings,
-    Skip, Skips,
+    Backend, BackendKind, Counters, Optimisation, Optimisations, Progress, RenderError,
+    RenderRequest, Settings,
 };
+use renderer_core::sampling::Sampler;
 use renderer_core::sampling::scramble_of;
 use renderer_core::scene::compile;
+use renderer_core::scene::lod::LodView;
 
 use super::cloth::wild_towel;
 
@@ -36,9 +39,7 @@ fn request(method: Method) -> RenderRequest {
         ..CameraDesign::default()
     });
     RenderRequest {
-        scene: Arc::new(compile(&design).expect("a valid design")),
-        camera,
-        levels: Levels::default(),
+        view: LodView::of(Arc::new(compile(&design).expect("a valid design")), camera),
         size: [61, 45],
         crop: [0, 0, 61, 45],
         settings: Settings {
@@ -53,7 +54,7 @@ fn request(method: Method) -> RenderRequest {
             shadows: true,
             aov: true,
             counters: true,
-            skips: Skips::ALL,
+            optimisations: Optimisations::ALL,
             cached_shadows: 0,
         },
     }
@@ -130,7 +131,7 @@ fn same_bytes_whatever_slices_and_threads() {
             }
             // Another cloth in between.
             let mut other = request.clone();
-            other.scene = Arc::new(wild_towel(Interpolation::Linear));
+            other.view.levels.nearest.scene = Arc::new(wild_towel(Interpolation::Linear));
             let picture = render(used.as_mut(), &other, FOREVER);
             assert!(picture == render(make().as_mut(), &other, FOREVER));
             assert!(picture != expected);
@@ -152,7 +153,10 @@ fn crops_are_parts_of_the_whole() {
         for &method in methods {
             let mut request = request(method);
             // What tracing makes of background is a rounding off what is put where nothing else is seen, by tiles.
-            request.settings.skips = request.settings.skips.without(Skip::BackgroundTiles);
+            request.settings.optimisations = request
+                .settings
+                .optimisations
+                .without(Optimisation::BackgroundTiles);
             let whole = render(make().as_mut(), &request, FOREVER);
             let [x, y, width, height] = [13, 9, 30, 33];
             request.crop = [x, y, width, height];

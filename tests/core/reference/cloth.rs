@@ -5,12 +5,13 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 use renderer_core::design::{
-    Back, CameraDesign, Design, Interpolation, Method, Pattern, Phase, PileKind, Sampler,
+    Back, CameraDesign, Design, Interpolation, Method, Pattern, Phase, PileKind,
 };
-use renderer_core::geometry::{BilinearPatch, LoopFrame, Ray, orthonormal_basis};
+use renderer_core::geometry::{BilinearPatch, Camera, LoopFrame, Ray, orthonormal_basis};
 use renderer_core::reference::Tracer;
-use renderer_core::render::{Camera, Levels, RenderRequest, Settings, Skips};
-use renderer_core::sampling::{self, Pcg, Set};
+use renderer_core::render::{Optimisations, RenderRequest, Settings};
+use renderer_core::sampling::{self, Pcg, Sampler, Set};
+use renderer_core::scene::lod::LodView;
 use renderer_core::scene::{Loops, Scene, Section, SunLight, Volumes, compile};
 
 /// A towel of fat, twisted, overlapping loops on both faces, small enough for brute force.
@@ -128,9 +129,10 @@ pub const ALL_PHASES: &[Phase] = Phase::ALL;
 /// A request for 64 × 64 pixels by the default camera.
 pub fn request(scene: Scene, method: Method, bounces: u32) -> RenderRequest {
     RenderRequest {
-        scene: Arc::new(scene),
-        camera: Camera::from_design(&CameraDesign::default()),
-        levels: Levels::default(),
+        view: LodView::of(
+            Arc::new(scene),
+            Camera::from_design(&CameraDesign::default()),
+        ),
         size: [64, 64],
         crop: [0, 0, 64, 64],
         settings: Settings {
@@ -145,7 +147,7 @@ pub fn request(scene: Scene, method: Method, bounces: u32) -> RenderRequest {
             shadows: true,
             aov: false,
             counters: true,
-            skips: Skips::ALL,
+            optimisations: Optimisations::ALL,
             cached_shadows: 0,
         },
     }
@@ -164,7 +166,7 @@ pub fn needle_camera(target: DVec3, towards_eye: DVec3) -> Camera {
         right,
         up: right.cross(forward),
         forward,
-        projection: renderer_core::render::Projection::Orthographic { height_mm: 1e-6 },
+        projection: renderer_core::geometry::Projection::Orthographic { height_mm: 1e-6 },
     }
 }
 

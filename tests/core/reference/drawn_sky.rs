@@ -227,7 +227,7 @@ fn all_backends_draw_the_same_samples_of_a_drawn_sky() {
         lit_by(&mut design, image);
         design.light.environment.rotation = -35.0;
         let request = request_of(&design, [48, 40]);
-        assert!(request.scene.lights.sky.drawn().is_some());
+        assert!(request.scene().lights.sky.drawn().is_some());
         let expected = on_reference(&request);
         shows_something(&expected).unwrap();
         design.light.environment.rotation += 0.3;
@@ -289,7 +289,7 @@ fn a_sun_in_a_picture_is_a_sun_whatever_the_bounces() {
             let mut drawn = |radiance: f64| {
                 design.light.environment.radiance = radiance;
                 let request = request_of(&design, [16, 12]);
-                assert!(request.scene.lights.sky.drawn().is_some());
+                assert!(request.scene().lights.sky.drawn().is_some());
                 repeats(backend, &request, 900)
             };
             let (same, brighter) = (drawn(radiance), drawn(1.1 * radiance));
@@ -353,8 +353,8 @@ fn looking_by_light_and_by_the_phase_draw_the_same_picture() {
         };
         let by_phase = request(&mut design, image.drawn_by_phase());
         let by_light = request(&mut design, image.clone());
-        assert!(by_phase.scene.lights.sky.drawn().is_none());
-        assert!(by_light.scene.lights.sky.drawn().is_some());
+        assert!(by_phase.scene().lights.sky.drawn().is_none());
+        assert!(by_light.scene().lights.sky.drawn().is_some());
         let expected = repeats(&mut reference(), &by_phase, 40);
         for backend in [
             &mut reference() as &mut dyn Backend,

@@ -7,8 +7,8 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use renderer_core::design::{Method, Phase, SkeletonShading};
+use renderer_core::geometry::{Camera, Projection};
 use renderer_core::reference::{Scratch, Tracer};
-use renderer_core::render::{Camera, Projection};
 use renderer_core::scene::{Scene, Section, Skeleton};
 
 use super::cloth::{ALL_PHASES, Random, edit_lights, edit_pile, request, sun};
@@ -53,7 +53,7 @@ fn stays_below_the_sky(what: &str, scene: Scene, method: Method, bounces: u32, e
     };
     let mut request = request(scene, method, bounces);
     request.size = [16, 16];
-    request.camera.eye *= 0.07;
+    request.view.levels.nearest.camera.eye *= 0.07;
     let tracer = Tracer::new(&request);
     let mut scratch = Scratch::default();
     let mut blocks = [(0.0, 0.0); BLOCKS];
@@ -134,7 +134,7 @@ fn beam_ratio(scene: &Scene, towards: DVec3, views: u32) -> (f64, f64) {
     // What the beam loses to the cloth: the share of its rays that meet something.
     const STOPPED: u32 = 96;
     request.size = [STOPPED; 2];
-    request.camera = camera(towards);
+    request.view.levels.nearest.camera = camera(towards);
     let tracer = Tracer::new(&request);
     let area = (2.0 * BALL_MM).powi(2);
     let mut met = 0.0;
@@ -148,7 +148,7 @@ fn beam_ratio(scene: &Scene, towards: DVec3, views: u32) -> (f64, f64) {
     request.size = [SIDE; 2];
     let (mut sum, mut squares) = (0.0, 0.0);
     for view in 0..views {
-        request.camera = camera(random.direction());
+        request.view.levels.nearest.camera = camera(random.direction());
         request.settings.seed = view;
         let tracer = tracer.again(&request);
         let mut mean = 0.0;
@@ -236,7 +236,7 @@ fn the_furnace_on_the_gpu_gains_nothing() {
         let mut request = request(furnace_with(phase, shading), Method::Tracked, 64);
         request.size = [16, 16];
         request.crop = [0, 0, 16, 16];
-        request.camera.eye *= 0.07;
+        request.view.levels.nearest.camera.eye *= 0.07;
         request.settings.samples = 8;
         let picture = finish(&mut gpu(), &request);
         let (mut sum, mut squares) = (0.0, 0.0);

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use renderer_core::design::{Design, Interpolation, Method, Phase};
+use renderer_core::geometry::Camera;
 use renderer_core::reference::{Scratch, Tracer};
 use renderer_core::render::RenderRequest;
 use renderer_core::scene::{Scene, Section, compile};
@@ -37,13 +38,17 @@ fn mean_radiance(request: &RenderRequest, samples: u32) -> (f64, f64, f64) {
     (mean, deviation, alpha / (256.0 * f64::from(samples)))
 }
 
+/// A request by another camera than the default.
+fn from(camera: Camera, scene: Scene, method: Method, bounces: u32) -> RenderRequest {
+    let mut request = request(scene, method, bounces);
+    request.view.levels.nearest.camera = camera;
+    request
+}
+
 /// A request that looks along −x at the middle of a block.
 fn look_at_block(scene: Scene, method: Method, bounces: u32) -> RenderRequest {
     let (middle, _) = block_extent(&scene);
-    RenderRequest {
-        camera: needle_camera(middle, DVec3::X),
-        ..request(scene, method, bounces)
-    }
+    from(needle_camera(middle, DVec3::X), scene, method, bounces)
 }
 
 #[test]
@@ -139,10 +144,12 @@ fn a_wide_sun_lights_by_the_mean_over_its_disc() {
     let albedo = f64::from(scene.skeleton.albedo[0]);
     let expected = albedo / PI * 0.5 * (1.0 + radius.cos());
     for &method in Method::ALL {
-        let request = RenderRequest {
-            camera: needle_camera(DVec3::ZERO, DVec3::Z),
-            ..request(scene.clone(), method, 1)
-        };
+        let request = from(
+            needle_camera(DVec3::ZERO, DVec3::Z),
+            scene.clone(),
+            method,
+            1,
+        );
         let (mean, deviation, alpha) = mean_radiance(&request, 64);
         assert_eq!(alpha, 1.0);
         assert!(
@@ -157,10 +164,12 @@ fn a_wide_sun_lights_by_the_mean_over_its_disc() {
         lights.environment = [1.0; 3];
     });
     for &method in Method::ALL {
-        let request = RenderRequest {
-            camera: needle_camera(DVec3::ZERO, DVec3::Z),
-            ..request(scene.clone(), method, 1)
-        };
+        let request = from(
+            needle_camera(DVec3::ZERO, DVec3::Z),
+            scene.clone(),
+            method,
+            1,
+        );
         let (mean, ..) = mean_radiance(&request, 4);
         assert!(
             (mean - albedo).abs() < 1e-9,
@@ -211,7 +220,7 @@ fn the_furnace_shows_no_cloth() {
     for &phase in ALL_PHASES {
         let mut request = request(furnace(phase), Method::Tracked, 64);
         request.size = [16, 16];
-        request.camera.eye *= 0.07;
+        request.view.levels.nearest.camera.eye *= 0.07;
         let tracer = Tracer::new(&request);
         let mut scratch = Scratch::default();
         let (mut sum, mut squares, mut covered) = (0.0, 0.0, 0.0);
@@ -253,7 +262,7 @@ fn fewer_bounces_are_darker_and_never_brighter_than_the_sky() {
         for bounces in [1, 2, 6] {
             let mut request = request(scene.clone(), method, bounces);
             request.size = [16, 16];
-            request.camera.eye *= 0.07;
+            request.view.levels.nearest.camera.eye *= 0.07;
             let (mean, deviation, _) = mean_radiance(&request, 8);
             assert!(
                 mean > last + deviation,

@@ -65,7 +65,8 @@ pub fn one_yarn() -> Design {
 /// 16 × 16 pixels that all see the yarn's point whose normal is `normal`, away from the weft.
 pub fn look_at_yarn(scene: Scene, normal: DVec3, method: Method) -> RenderRequest {
     let mut request = request(scene, method, 1);
-    request.camera = needle_camera(DVec3::new(0.0, 0.28, 0.0) + 0.22 * normal, normal);
+    request.view.levels.nearest.camera =
+        needle_camera(DVec3::new(0.0, 0.28, 0.0) + 0.22 * normal, normal);
     (request.size, request.crop) = ([16, 16], [0, 0, 16, 16]);
     request.settings.samples = 16;
     request
@@ -197,7 +198,7 @@ fn a_deep_isotropic_block_is_lit_from_the_right_side() {
                 };
             });
             let mut request = request(scene, Method::Tracked, 1);
-            request.camera = needle_camera(middle, DVec3::X);
+            request.view.levels.nearest.camera = needle_camera(middle, DVec3::X);
             (request.size, request.crop) = ([32, 32], [0, 0, 32, 32]);
             request.settings.samples = 16;
             let picture = finish(&mut *backend, &request);

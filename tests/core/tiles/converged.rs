@@ -6,7 +6,9 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use renderer_core::image::Picture;
-use renderer_core::render::{Backend, Counters, Progress, RenderRequest, Skip, background_tiles};
+use renderer_core::render::{
+    Backend, Counters, Optimisation, Progress, RenderRequest, background_tiles,
+};
 
 use super::{TILE, all_numbers, backends, draw, numbers, without};
 use crate::support::scenes::{request, small_towel};
@@ -262,7 +264,8 @@ fn tiles_end_when_their_error_allows_it_with_the_bits_of_a_plain_picture() {
         );
 
         // Without the skip all tiles go on until the picture ends.
-        let (all, counted, progress) = draw(backend, &without(&request, Skip::ConvergedTiles));
+        let (all, counted, progress) =
+            draw(backend, &without(&request, Optimisation::ConvergedTiles));
         assert_eq!(counted.converged_tiles, 0);
         assert!(progress.samples <= last && counted.rays > 0);
         assert_eq!(

@@ -6,7 +6,8 @@ use std::time::Instant;
 
 use renderer_core::design::{Design, Filter, Form};
 use renderer_core::image::{Picture, metrics};
-use renderer_core::render::{Backend, ClothMaker, Extent, LevelPlan, RenderRequest};
+use renderer_core::render::{Backend, RenderRequest};
+use renderer_core::scene::lod::{LodBudget, LodCompiler, LodPlan};
 use renderer_core::scene::{Cancel, Compiler, Scene};
 
 use super::Measured;
@@ -39,7 +40,7 @@ pub struct Line {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Found {
     /// How often the cloth of the first level is halved.
-    pub halvings: u32,
+    pub lod: u32,
     /// All levels.
     pub levels: Cost,
     /// The whole cloth's.
@@ -105,14 +106,14 @@ fn at_distance(
         camera.orthographic_height = Some(cells * pitch * f64::from(SIDE));
     }
     let of_whole = request(design, whole, [SIDE; 2], TRIAL)?;
-    let camera = of_whole.camera;
-    let plan = LevelPlan::new(design, &camera, [SIDE; 2], Extent::FINAL, None);
+    let camera = *of_whole.camera();
+    let plan = LodPlan::new(design, &camera, [SIDE; 2], LodBudget::FINAL, None);
     let mut compile = Spent::zero();
     let cloth = timed(&mut compile, || {
-        ClothMaker::default().make(design, plan, &Cancel::never())
+        LodCompiler::default().make(design, plan, &Cancel::never())
     })?;
-    let sight = cloth.sight(design, &camera, [SIDE; 2]);
-    let of_levels = sight.request([SIDE; 2], of_whole.settings);
+    let view = cloth.view(design, &camera, [SIDE; 2]);
+    let of_levels = RenderRequest::new(view, [SIDE; 2], of_whole.settings);
     let both = [&of_whole, &of_levels];
     let mut costs = Vec::new();
     for request in both {
@@ -139,7 +140,7 @@ fn at_distance(
         seeds.map(metrics::mean_luminance).iter().sum::<f64>()
     });
     Ok(Some(Found {
-        halvings: cloth.nearest.sheet.excerpt.map_or(0, |e| e.halvings),
+        lod: cloth.scenes.nearest.sheet.region.map_or(0, |e| e.lod),
         levels: costs[1],
         whole: costs[0],
         compile,
@@ -158,7 +159,9 @@ fn cost(
     };
     let counters = count(backend, request)?;
     let levels = 0..request.level_count();
-    let scenes: Vec<_> = levels.map(|level| request.at_level(level).scene).collect();
+    let scenes: Vec<_> = levels
+        .map(|level| Arc::clone(request.at_level(level).scene()))
+        .collect();
     let bytes = |scene: &Arc<Scene>| scene.loops.bytes_per_loop() * scene.looks.len() as f64;
     Ok(Some(Cost {
         loops: scenes.iter().map(|scene| scene.loops.counts.planted).sum(),
@@ -184,7 +187,7 @@ fn error_without_noise(pictures: &[Picture]) -> f64 {
     (sum / count).max(0.0).sqrt() / (mean / count)
 }
 
-const HEADER: &str = "preset,cells a pixel,measured,halvings,loops,bytes,compile clock time [s],sample clock time [s],\
+const HEADER: &str = "preset,cells a pixel,measured,lod,loops,bytes,compile clock time [s],sample clock time [s],\
     sample processor time [s],patch tests [1/ray],whole cloth: loops,bytes of the whole cloth,sample of the whole cloth: clock time [s],\
     patch tests in the whole cloth [1/ray],brightness over the whole cloth's,error [relRMSE]";
 
@@ -204,7 +207,7 @@ pub fn csv(all: &[Measured]) -> String {
                 let (levels, whole) = (&found.levels, &found.whole);
                 fields.extend([
                     "yes".into(),
-                    found.halvings.to_string(),
+                    found.lod.to_string(),
                     levels.loops.to_string(),
                     levels.bytes.to_string(),
                     number(found.compile.wall.as_secs_f64()),
@@ -244,7 +247,7 @@ pub fn section(lines: &[Line]) -> String {
             text,
             "| {} | {} times | {} | {:.1} | {} | {} | {:.2} | {:.1}, {}, {:.2} | {:.3} | {:.3} |",
             line.cells,
-            found.halvings,
+            found.lod,
             levels.loops,
             megabytes(levels),
             seconds(found.compile.wall.as_secs_f64()),

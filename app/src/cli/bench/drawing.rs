@@ -6,8 +6,10 @@ use std::time::{Duration, Instant};
 
 use anyhow::anyhow;
 use renderer_core::design::Design;
-use renderer_core::render::{Backend, Camera, Counters, Levels, RenderRequest, Settings};
+use renderer_core::geometry::Camera;
+use renderer_core::render::{Backend, Counters, RenderRequest, Settings};
 use renderer_core::scene::Scene;
+use renderer_core::scene::lod::LodView;
 
 use crate::clock::{Spent, timed};
 
@@ -80,9 +82,10 @@ pub fn request(
 ) -> anyhow::Result<RenderRequest> {
     let camera = design.view.cameras.first().map(Camera::from_design);
     Ok(RenderRequest {
-        scene: Arc::clone(scene),
-        camera: camera.ok_or_else(|| anyhow!("the preset has no camera"))?,
-        levels: Levels::default(),
+        view: LodView::of(
+            Arc::clone(scene),
+            camera.ok_or_else(|| anyhow!("the preset has no camera"))?,
+        ),
         size,
         crop: [0, 0, size[0], size[1]],
         settings: Settings {

@@ -12,11 +12,13 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use renderer_core::design::{Design, Method, Quality, Sampler};
+use renderer_core::geometry::Camera;
 use renderer_core::image::Picture;
 use renderer_core::image::metrics;
 use renderer_core::render::{
-    Backend, Camera, Counters, Levels, RenderError, RenderRequest, Settings, Skips, convergence,
+    Backend, Counters, Optimisations, RenderError, RenderRequest, Settings, convergence,
 };
+use renderer_core::scene::lod::LodView;
 use renderer_core::scene::{self, CompileError, Scene};
 
 use super::drawing::{least, per_sample};
@@ -164,21 +166,19 @@ impl Subject {
     fn request(&mut self, setting: &Setting, seed: u32) -> Result<RenderRequest, CompileError> {
         let [width, height] = self.size;
         Ok(RenderRequest {
-            scene: self.scene(setting.bounces)?,
-            camera: self.camera,
-            levels: Levels::default(),
+            view: LodView::of(self.scene(setting.bounces)?, self.camera),
             size: self.size,
             crop: [0, 0, width, height],
             settings: Settings {
                 method: setting.method,
-                sampler: setting.sampler,
+                sampler: setting.sampler.into(),
                 shadows: setting.shadows,
                 bounces: setting.bounces,
                 traced_bounces: setting.traced_bounces,
                 cached_shadows: setting.cached_shadows,
-                skips: match setting.without {
-                    Some(skip) => Skips::ALL.without(skip),
-                    None => Skips::ALL,
+                optimisations: match setting.without {
+                    Some(skip) => Optimisations::ALL.without(skip),
+                    None => Optimisations::ALL,
                 },
                 samples: 1,
                 error: 0.0,

@@ -21,7 +21,7 @@ pub enum Part {
     Piles,
     /// The same cloth bent in each way: time and noise.
     Forms,
-    /// A large cloth from farther and farther: excerpts of it beside the whole.
+    /// A large cloth from farther and farther: regions of it beside the whole.
     Distances,
     /// Where the time from an edit to a whole picture goes.
     Costs,

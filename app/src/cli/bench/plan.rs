@@ -4,7 +4,7 @@
 //! preset's own pictures have more scatterings, these are a second target, with a truth of their own.
 
 use renderer_core::design::{Method, Quality, Sampler};
-use renderer_core::render::Skip;
+use renderer_core::render::Optimisation;
 
 use crate::designer::CACHED_SHADOWS;
 
@@ -28,7 +28,7 @@ pub struct Setting {
     /// First samples whose shadows neighbouring points share.
     pub cached_shadows: u32,
     /// Work that is done though it cannot be seen, to show what leaving it out is worth: no choice of users.
-    pub without: Option<Skip>,
+    pub without: Option<Optimisation>,
     /// Each picture is drawn anew up to an error target, where others are drawn on and on.
     pub to_error: bool,
 }
@@ -126,7 +126,7 @@ impl Target {
 }
 
 /// What is measured of a preset with `methods`, those that the backend has. `skips` are those of the preset's own method.
-pub fn targets(quality: &Quality, methods: &[Method], skips: &[Skip]) -> Vec<Target> {
+pub fn targets(quality: &Quality, methods: &[Method], skips: &[Optimisation]) -> Vec<Target> {
     let mut direct = Vec::new();
     for (sampler, shadows) in [
         (Sampler::Owen, true),
@@ -156,7 +156,7 @@ pub fn targets(quality: &Quality, methods: &[Method], skips: &[Skip]) -> Vec<Tar
         for &skip in skips {
             // Tiles can end before the picture only where there is an error to end at: with it and without, for want of any
             // other to compare with.
-            let to_error = skip == Skip::ConvergedTiles;
+            let to_error = skip == Optimisation::ConvergedTiles;
             direct.extend(to_error.then_some(Setting { to_error, ..whole }));
             direct.push(Setting {
                 without: Some(skip),

@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 
 use renderer_core::design::{Method, Sampler};
-use renderer_core::render::{Counters, Skip};
+use renderer_core::render::{Counters, Optimisation};
 
 use super::measure::{Character, Findings, Row};
 use super::pareto::{self, Point};
@@ -225,7 +225,7 @@ fn to_errors(conditions: &Conditions, findings: &Findings) -> String {
     if pairs.is_empty() {
         return String::new();
     }
-    let skip = Skip::ConvergedTiles;
+    let skip = Optimisation::ConvergedTiles;
     let mut text = format!(
         "\n| error target | time with `{skip}` | without | without : with | its error with | without | most samples with | without |\n\
          | --- | --- | --- | --- | --- | --- | --- | --- |\n",

@@ -48,7 +48,7 @@ pub fn records<'s>(
                 .corners(loops.base_width_mm)
                 .map(|corner| scene.world_of(centre + corner)),
             normal: match &*scene.form {
-                Some(form) => form.turn_at(centre) * patch.normal(loops.base_width_mm),
+                Some(form) => form.rotation_at(centre) * patch.normal(loops.base_width_mm),
                 None => patch.normal(loops.base_width_mm),
             },
             colour: Colour(chart.colour(i as usize, j as usize).unwrap_or_default()),

@@ -4,7 +4,7 @@
 
 use glam::DVec3;
 use renderer_core::design::Design;
-use renderer_core::render::{Camera, Projection};
+use renderer_core::geometry::{Camera, Projection};
 use renderer_core::scene::{AreaLight, Scene};
 use serde::Serialize;
 

@@ -7,8 +7,10 @@ use std::time::{Duration, Instant};
 
 use egui::Context;
 use renderer_core::design::{CameraDesign, Design};
+use renderer_core::geometry::Camera;
 use renderer_core::image::{Background, Display};
-use renderer_core::render::{Camera, ClothMaker, Extent, RenderError, Settings, Sight};
+use renderer_core::render::{RenderError, Settings};
+use renderer_core::scene::lod::{LodBudget, LodCompiler, LodView};
 use renderer_core::scene::{Cancel, CompileError};
 
 use crate::backend::BackendChoice;
@@ -103,16 +105,16 @@ impl ExportRequest {
         // Now rather than after minutes of rendering.
         files::check_writable(&self.path).map_err(|error| text(&error))?;
         let is_given_up = || cancel.load(Ordering::Relaxed);
-        let made = Sight::new(
-            &mut ClothMaker::default(),
+        let made = LodView::new(
+            &mut LodCompiler::default(),
             &self.design,
             &Camera::from_design(&self.camera),
             self.size,
-            Extent::FINAL,
+            LodBudget::FINAL,
             &Cancel::when(&is_given_up),
         );
-        let sight = match made {
-            Ok(sight) => sight,
+        let view = match made {
+            Ok(view) => view,
             Err(CompileError::Cancelled) => return Ok(Outcome::Cancelled),
             Err(error) => return Err(text(&error)),
         };
@@ -129,7 +131,7 @@ impl ExportRequest {
         };
         let background = Background(self.design.light.background.linear());
         let order = picture_file::Order {
-            sight,
+            view,
             size: self.size,
             crop: [0, 0, self.size[0], self.size[1]],
             settings: Settings {

@@ -6,7 +6,7 @@ use renderer_core::design::{
 };
 
 use super::light_presets;
-use super::light_sphere::{self, Lamp, LightSphere};
+use super::light_sphere::{self, LightSource, LightSphere};
 use super::surroundings::Surroundings;
 use crate::designer::panels::choice_row::{choice, colour};
 use crate::designer::panels::number_row::number;
@@ -38,9 +38,9 @@ pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design, around: &mut Su
         ui.vertical(|ui| list(ui, &mut state.sphere.selected, design));
     });
     let light = &mut design.light;
-    match Lamp::of(light, state.sphere.selected) {
-        Some(Lamp::Sun(index)) => one_sun(ui, &mut light.sun[index]),
-        Some(Lamp::Area(index)) => one_area(ui, &mut light.area[index]),
+    match LightSource::of(light, state.sphere.selected) {
+        Some(LightSource::Sun(index)) => one_sun(ui, &mut light.sun[index]),
+        Some(LightSource::Area(index)) => one_area(ui, &mut light.area[index]),
         None => {}
     }
     subheading(ui, "Surroundings");
@@ -61,8 +61,8 @@ pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design, around: &mut Su
 /// The lights by number, to choose one, and to have more or fewer.
 fn list(ui: &mut Ui, selected: &mut usize, design: &mut Design) {
     ui.horizontal_wrapped(|ui| {
-        for (index, lamp) in Lamp::all(&design.light).enumerate() {
-            let button = ui.add(Button::new(lamp.name()).selected(*selected == index));
+        for (index, source) in LightSource::all(&design.light).enumerate() {
+            let button = ui.add(Button::new(source.name()).selected(*selected == index));
             if button
                 .on_hover_text("Shows this light's numbers below.")
                 .clicked()
@@ -94,27 +94,27 @@ fn list(ui: &mut Ui, selected: &mut usize, design: &mut Design) {
             *selected = suns + areas;
         }
     });
-    let Some(lamp) = Lamp::of(&design.light, *selected) else {
+    let Some(source) = LightSource::of(&design.light, *selected) else {
         return;
     };
     let light = &mut design.light;
-    let name = lamp.name().to_lowercase();
+    let name = source.name().to_lowercase();
     ui.horizontal_wrapped(|ui| {
-        let is_full = match lamp {
-            Lamp::Sun(_) => suns == Light::MAX_SUNS,
-            Lamp::Area(_) => areas == Light::MAX_AREAS,
+        let is_full = match source {
+            LightSource::Sun(_) => suns == Light::MAX_SUNS,
+            LightSource::Area(_) => areas == Light::MAX_AREAS,
         };
         let duplicate = ui.add_enabled(!is_full, Button::new(format!("Duplicate {name}")));
         if duplicate
             .on_hover_text("Another one with the same numbers.")
             .clicked()
         {
-            *selected = match lamp {
-                Lamp::Sun(index) => {
+            *selected = match source {
+                LightSource::Sun(index) => {
                     light.sun.push(light.sun[index].clone());
                     suns
                 }
-                Lamp::Area(index) => {
+                LightSource::Area(index) => {
                     light.area.push(light.area[index].clone());
                     suns + areas
                 }
@@ -122,9 +122,9 @@ fn list(ui: &mut Ui, selected: &mut usize, design: &mut Design) {
         }
         let remove = ui.button(format!("Remove {name}"));
         if remove.on_hover_text("Takes this light away.").clicked() {
-            match lamp {
-                Lamp::Sun(index) => drop(light.sun.remove(index)),
-                Lamp::Area(index) => drop(light.area.remove(index)),
+            match source {
+                LightSource::Sun(index) => drop(light.sun.remove(index)),
+                LightSource::Area(index) => drop(light.area.remove(index)),
             }
             *selected = selected.saturating_sub(1);
         }

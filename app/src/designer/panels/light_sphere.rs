@@ -14,14 +14,14 @@ use crate::designer::widgets::style;
 
 /// A light by its kind and its number among its kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Lamp {
+pub enum LightSource {
     /// A sun.
     Sun(usize),
     /// An area light.
     Area(usize),
 }
 
-impl Lamp {
+impl LightSource {
     /// All lights of a design: suns, then area lights.
     pub fn all(light: &Light) -> impl Iterator<Item = Self> + use<> {
         let areas = (0..light.area.len()).map(Self::Area);
@@ -146,19 +146,19 @@ pub fn show(ui: &mut Ui, sphere: &mut LightSphere, light: &mut Light) -> Option<
         centre: rect.center(),
         radius: RADIUS,
     };
-    let count = Lamp::all(light).count();
+    let count = LightSource::all(light).count();
     sphere.selected = sphere.selected.min(count.saturating_sub(1));
     let before = light.clone();
     pointer(ui, sphere, &response, &disc, light);
     keyboard(ui, sphere, &response, light);
     paint(ui, sphere, &response, &disc, light);
-    let text = Lamp::of(light, sphere.selected).map_or_else(
+    let text = LightSource::of(light, sphere.selected).map_or_else(
         || "no light".into(),
-        |lamp| {
-            let [azimuth, elevation] = lamp.azimuth_and_elevation(light);
+        |source| {
+            let [azimuth, elevation] = source.azimuth_and_elevation(light);
             format!(
                 "{} of {count}: azimuth {azimuth:.0}°, elevation {elevation:.0}°",
-                lamp.name().to_lowercase(),
+                source.name().to_lowercase(),
             )
         },
     );
@@ -216,8 +216,8 @@ fn pointer(ui: &Ui, sphere: &mut LightSphere, response: &Response, disc: &Disc, 
     if !sphere.is_held {
         sphere.is_held = true;
         response.request_focus();
-        let distances = Lamp::all(light).map(|lamp| {
-            let [azimuth, elevation] = lamp.azimuth_and_elevation(light);
+        let distances = LightSource::all(light).map(|source| {
+            let [azimuth, elevation] = source.azimuth_and_elevation(light);
             disc.place(direction(*azimuth, *elevation)).distance(at)
         });
         let nearest = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
@@ -229,8 +229,8 @@ fn pointer(ui: &Ui, sphere: &mut LightSphere, response: &Response, disc: &Disc, 
     } else if response.drag_delta() == Vec2::ZERO {
         return;
     }
-    if let Some(lamp) = Lamp::of(light, sphere.selected) {
-        move_to(lamp.azimuth_and_elevation(light), disc.direction(at));
+    if let Some(source) = LightSource::of(light, sphere.selected) {
+        move_to(source.azimuth_and_elevation(light), disc.direction(at));
     }
 }
 
@@ -251,13 +251,13 @@ fn keyboard(ui: &Ui, sphere: &mut LightSphere, response: &Response, light: &mut 
         return;
     };
     let presses = |key| ui.input(|i| i.num_presses(key));
-    let last = Lamp::all(light).count().saturating_sub(1);
+    let last = LightSource::all(light).count().saturating_sub(1);
     sphere.selected = (sphere.selected + presses(Key::PageDown)).min(last);
     sphere.selected = sphere.selected.saturating_sub(presses(Key::PageUp));
-    let Some(lamp) = Lamp::of(light, sphere.selected).filter(|_| arrows != [0, 0]) else {
+    let Some(source) = LightSource::of(light, sphere.selected).filter(|_| arrows != [0, 0]) else {
         return;
     };
-    let [azimuth, elevation] = lamp.azimuth_and_elevation(light);
+    let [azimuth, elevation] = source.azimuth_and_elevation(light);
     let [right, up] = arrows.map(|presses| f64::from(presses) * DEGREES_PER_KEY);
     // Azimuths grow against the clock as the sphere is seen; the right key goes with it.
     let turned = *azimuth - right;
@@ -273,7 +273,9 @@ fn paint(ui: &Ui, sphere: &mut LightSphere, response: &Response, disc: &Disc, li
     let visuals = ui.visuals();
     let painter = ui.painter_at(response.rect);
     let shading = Shading {
-        spots: Lamp::all(light).map(|lamp| lamp.spot(light)).collect(),
+        spots: LightSource::all(light)
+            .map(|source| source.spot(light))
+            .collect(),
         sky: sky(&light.environment),
     };
     let spots = shading.spots.clone();
@@ -374,7 +376,7 @@ fn sky(environment: &Environment) -> [[f64; 3]; 3] {
 /// A matt gray sphere in that light, seen from above.
 fn shaded(shading: &Shading) -> ColorImage {
     let [zenith, horizon, ground] = shading.sky;
-    let lamps: Vec<(DVec3, [f64; 3])> = shading
+    let sources: Vec<(DVec3, [f64; 3])> = shading
         .spots
         .iter()
         .map(|spot| {
@@ -390,10 +392,10 @@ fn shaded(shading: &Shading) -> ColorImage {
         let light: [f64; 3] = std::array::from_fn(|c| {
             let around = 0.5 * (horizon[c] + 0.5 * (zenith[c] + ground[c]));
             let from_sky = around + up * (0.5 * (zenith[c] + horizon[c]) - around);
-            let from_lamps = lamps
+            let from_sources = sources
                 .iter()
                 .map(|(towards, light)| light[c] * normal.dot(*towards).max(0.0));
-            0.6 * (from_sky + from_lamps.sum::<f64>())
+            0.6 * (from_sky + from_sources.sum::<f64>())
         });
         let Colour([r, g, b]) = Colour::from_linear(light);
         // One pixel of softness at the rim.

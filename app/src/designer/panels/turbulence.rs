@@ -121,7 +121,7 @@ fn thumbnails(ui: &mut Ui, state: &mut State, design: &Design) {
         wefts: sheet.wefts.min(MOST_CELLS),
         pitch_x_mm: sheet.pitch_x(),
         pitch_y_mm: sheet.pitch_y(),
-        excerpt: None,
+        region: None,
     };
     let key = (geometry, design.turbulence.clone());
     let ctx = ui.ctx().clone();

@@ -16,8 +16,10 @@ use std::time::{Duration, Instant};
 use egui::{Color32, ColorImage};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use renderer_core::design::{CameraDesign, Design};
+use renderer_core::geometry::Camera;
 use renderer_core::image::{Display, Picture};
-use renderer_core::render::{Backend, Camera, ClothMaker, Extent, RenderRequest, Sight};
+use renderer_core::render::{Backend, RenderRequest};
+use renderer_core::scene::lod::{LodBudget, LodCompiler, LodView};
 use renderer_core::scene::{Cancel, CompileError};
 
 use crate::backend::BackendChoice;
@@ -353,22 +355,22 @@ impl Work {
         let key = &self.key;
         let is_unwanted = || shared.interrupt.load(Ordering::Relaxed) && shared.is_unwanted(key);
         let cancel = Cancel::when(&is_unwanted);
-        let made = Sight::new(
-            &mut ClothMaker::default(),
+        let made = LodView::new(
+            &mut LodCompiler::default(),
             design,
             &Camera::from_design(&subject.camera),
             self.size,
-            Extent::LIVE,
+            LodBudget::LIVE,
             &cancel,
         );
-        let sight = match made {
-            Ok(sight) => sight,
+        let view = match made {
+            Ok(view) => view,
             Err(CompileError::Cancelled) => return Ok(None),
             Err(error) => return Err(error.to_string()),
         };
         let mut settings = LiveLight::Fast.settings(design);
         (settings.samples, settings.error) = (self.samples, 0.0);
-        let request = sight.request(self.size, settings);
+        let request = RenderRequest::new(view, self.size, settings);
         let mut begun = Begun {
             backend: make(BackendChoice::Cpu).map_err(|error| error.to_string())?,
             request,

@@ -3,8 +3,10 @@
 use std::time::Duration;
 
 use renderer_core::design::{Design, FormKind};
-use renderer_core::render::{Camera, Extent, FirstLook, RenderRequest, Settings};
-use renderer_core::scene::SeenCells;
+use renderer_core::geometry::Camera;
+use renderer_core::render::{CoarsePreview, RenderRequest, Settings};
+use renderer_core::scene::VisibleCells;
+use renderer_core::scene::lod::LodBudget;
 
 use super::render_job::{self, first_divisor};
 
@@ -19,9 +21,9 @@ const COARSEST: u32 = 64;
 const AROUND_MM: f64 = 0.5;
 
 /// How much of a cloth that is made in parts is made for a coarse preview: in some twentieths of a second.
-pub const LEVELS: Extent = Extent {
+pub const LEVELS: LodBudget = LodBudget {
     cells: 1 << 15,
-    spare: 0.0,
+    margin: 0.0,
 };
 /// Width and height of a coarse preview of such cloth are at most those of the picture divided by this: loops as coarse
 /// as its [`LEVELS`] have to be would show in a finer one.
@@ -36,7 +38,7 @@ pub fn divisor_of_levels(size: [u32; 2], cost: Option<f64>) -> u32 {
 /// A preview to make.
 pub struct Plan {
     /// What has to be there for it.
-    pub seen: SeenCells,
+    pub seen: VisibleCells,
     /// Its width and height are those of the picture divided by this.
     pub divisor: u32,
 }
@@ -57,7 +59,7 @@ pub fn plan(
     let cells = f64::from(design.sheet.warps) * f64::from(design.sheet.wefts);
     let mut divisor = first_divisor(cost, size);
     while divisor <= COARSEST {
-        let preview = FirstLook {
+        let preview = CoarsePreview {
             design,
             camera,
             size: size.map(|side| side.div_ceil(divisor)),

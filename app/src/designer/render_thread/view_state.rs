@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use renderer_core::design::Warning;
-use renderer_core::render::{BackendKind, Cloth, Progress};
+use renderer_core::render::{BackendKind, Progress};
 use renderer_core::scene::LoopCounts;
+use renderer_core::scene::lod::LodCloth;
 
 use super::renderer::DisplayFrame;
 
@@ -76,7 +77,7 @@ pub struct SceneSummary {
     /// Things about it and its design that are allowed but probably not meant.
     pub warnings: Vec<Warning>,
     /// The cloth, to look up what lies under the pointer.
-    pub cloth: Option<Arc<Cloth>>,
+    pub cloth: Option<Arc<LodCloth>>,
 }
 
 /// The backend whose picture is shown.

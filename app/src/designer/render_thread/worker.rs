@@ -7,8 +7,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use renderer_core::design::Design;
+use renderer_core::geometry::Camera;
 use renderer_core::image::Display;
-use renderer_core::render::{Camera, Cloth, ClothMaker, Extent, LevelPlan, Progress, RenderError};
+use renderer_core::render::{Progress, RenderError, RenderRequest};
+use renderer_core::scene::lod::{LodBudget, LodCloth, LodCompiler, LodPlan};
 use renderer_core::scene::{self, Cancel, CompileError};
 
 use super::fallback::{Fallback, Remedy};
@@ -55,11 +57,11 @@ pub struct Worker<'a> {
     fallback: Fallback,
     /// What is to be shown.
     view: Option<Box<ViewRequest>>,
-    maker: ClothMaker,
+    maker: LodCompiler,
     /// Makes cloth for coarse previews.
-    preview_maker: ClothMaker,
+    preview_maker: LodCompiler,
     /// The last cloth and its design.
-    made: Option<(Arc<Design>, Arc<Cloth>)>,
+    made: Option<(Arc<Design>, Arc<LodCloth>)>,
     /// Since when scenes have been given up without one being finished.
     giving_up: Option<Instant>,
     /// How long the loops of the last scene took that was made with new ones.
@@ -83,8 +85,8 @@ impl<'a> Worker<'a> {
             stand_in: StandIn::None,
             fallback: Fallback::default(),
             view: None,
-            maker: ClothMaker::default(),
-            preview_maker: ClothMaker::default(),
+            maker: LodCompiler::default(),
+            preview_maker: LodCompiler::default(),
             made: None,
             giving_up: None,
             loops_took: Duration::ZERO,
@@ -168,8 +170,8 @@ impl<'a> Worker<'a> {
         let largest_side = self.choose_backend(self.fallback.effective(choice))?;
         let size = self.fallback.fitted(view.size, largest_side);
         let camera = Camera::from_design(&view.camera);
-        let sight = cloth.sight(&view.design, &camera, view.size);
-        let request = sight.request(size, view.light.settings(&view.design));
+        let seen = cloth.view(&view.design, &camera, view.size);
+        let request = RenderRequest::new(seen, size, view.light.settings(&view.design));
         let standing = self.fallback.standing();
         self.publish(|state| {
             state.instead = standing;
@@ -184,16 +186,16 @@ impl<'a> Worker<'a> {
     }
 
     /// The parts of the cloth that a request's picture shows; those that are there as long as they hold it.
-    fn plan(&self, view: &ViewRequest, camera: &Camera) -> LevelPlan {
+    fn plan(&self, view: &ViewRequest, camera: &Camera) -> LodPlan {
         let last = self.made.as_ref().map(|(_, cloth)| &cloth.plan);
-        LevelPlan::new(&view.design, camera, view.size, Extent::LIVE, last)
+        LodPlan::new(&view.design, camera, view.size, LodBudget::LIVE, last)
     }
 
     /// Whether the parts that a plan names of a request's design are there.
-    fn has_parts(&self, view: &ViewRequest, plan: &LevelPlan) -> bool {
+    fn has_parts(&self, view: &ViewRequest, plan: &LodPlan) -> bool {
         let made = self.made.as_ref();
         made.is_some_and(|(design, cloth)| {
-            Arc::ptr_eq(design, &view.design) && cloth.plan.excerpts == plan.excerpts
+            Arc::ptr_eq(design, &view.design) && cloth.plan.regions == plan.regions
         })
     }
 
@@ -203,7 +205,7 @@ impl<'a> Worker<'a> {
         &mut self,
         view: &ViewRequest,
         has_preview: bool,
-    ) -> Result<Arc<Cloth>, CompileError> {
+    ) -> Result<Arc<LodCloth>, CompileError> {
         let design = &view.design;
         let camera = Camera::from_design(&view.camera);
         let plan = self.plan(view, &camera);
@@ -236,7 +238,7 @@ impl<'a> Worker<'a> {
         if self.maker.last_report().frames_made > 0 {
             self.loops_took = start.elapsed();
         }
-        let warnings = scene::warnings(design, &cloth.nearest);
+        let warnings = scene::warnings(design, &cloth.scenes.nearest);
         let scene = SceneSummary {
             counts: cloth.counts(),
             warnings,

@@ -3,7 +3,7 @@
 
 use glam::{BVec3, DVec2, DVec3};
 use renderer_core::design::{CameraDesign, Design};
-use renderer_core::render::{Camera, Projection};
+use renderer_core::geometry::{Camera, Projection};
 use renderer_core::scene::bent_box;
 
 /// A view that every cloth has.

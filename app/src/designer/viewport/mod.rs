@@ -20,9 +20,10 @@ use eframe::CreationContext;
 use egui::{Color32, Context, CursorIcon, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo, pos2};
 use glam::DVec2;
 use renderer_core::design::{CameraDesign, Design};
+use renderer_core::geometry::Camera;
 use renderer_core::gpu::DeviceWatch;
 use renderer_core::image::Display;
-use renderer_core::render::{Camera, MAX_SIDE};
+use renderer_core::render::MAX_SIDE;
 
 use crate::backend::BackendChoice;
 use crate::designer::render_thread::draft_lighting::LiveLight;

@@ -3,7 +3,7 @@
 use egui::{Color32, CursorIcon, Painter, PointerButton, Pos2, Response, Stroke, Ui};
 use glam::{DVec2, DVec3};
 use renderer_core::design::{Design, Form, FormKind};
-use renderer_core::render::Camera;
+use renderer_core::geometry::Camera;
 
 use super::{Area, Viewport};
 use crate::designer::shell::command::Command;

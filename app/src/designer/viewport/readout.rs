@@ -3,8 +3,8 @@
 use egui::Color32;
 use glam::DVec2;
 use renderer_core::design::Design;
-use renderer_core::geometry::Ray;
-use renderer_core::render::{Camera, Cloth, Level};
+use renderer_core::geometry::{Camera, Ray};
+use renderer_core::scene::lod::{Level, LodCloth};
 use renderer_core::scene::{ChartOnSheet, Face, Scene};
 
 /// A cell under the pointer.
@@ -23,14 +23,14 @@ impl Readout {
     /// pile on the side that is seen, since it is loops one points at, not the ground below them.
     pub fn new(
         design: &Design,
-        cloth: &Cloth,
+        cloth: &LodCloth,
         camera: &Camera,
         pixel: DVec2,
         size: [u32; 2],
     ) -> Option<Self> {
         let row = (pixel.y.max(0.0) as u32).min(size[1].saturating_sub(1));
-        let sight = cloth.sight(design, camera, size);
-        let Level { scene, camera } = sight.at_row(row, size[1]);
+        let view = cloth.view(design, camera, size);
+        let Level { scene, camera } = view.at_row(row, size[1]);
         let (origin, direction) = camera.ray(pixel, size);
         let z_range = scene.loops.z_range_mm.map(f64::from);
         let heights = [z_range[1].max(0.0) / 2.0, z_range[0].min(0.0) / 2.0];
@@ -60,7 +60,7 @@ impl Readout {
         let [warp, weft] = sheet.original(i as usize, j as usize);
         Some(Self {
             cell: [warp, weft].map(|index| index as u32),
-            loop_mm: loop_mm(&scene, [i, j], face),
+            loop_mm: loop_mm(scene, [i, j], face),
             colour: chart.colour(warp, weft).filter(|_| is_same),
         })
     }

@@ -6,7 +6,7 @@
 //! 1960). So a straight ray through space is a chain of straight pieces through the flat cloth, and everything that is known of
 //! flat cloth serves: pile bends with the shell, ground yarns have no seams, and the grid of blocks is walked as ever.
 //!
-//! Spaces: *sheet* is the flat cloth, *world* where it lies; `world_from_sheet`. In a tetrahedron a place is told in *shares* of
+//! Spaces: *sheet* is the flat cloth, *world* where it lies; `world_from_sheet`. In a tetrahedron a place is given in *coordinates* of
 //! its hexahedron, from 0 to 1 along x, y and z.
 
 mod height;
@@ -54,11 +54,11 @@ pub struct FormMesh {
     sheet: SheetGeometry,
 }
 
-/// One of the six tetrahedra of a facet: that in which shares fall along these axes, from the first to the third.
-pub type Order = [usize; 3];
+/// One of the six tetrahedra of a facet: that in which coordinates fall along these axes, from the first to the third.
+pub type KuhnTetrahedron = [usize; 3];
 
 /// The six.
-pub const ORDERS: [Order; 6] = [
+pub const KUHN_TETRAHEDRA: [KuhnTetrahedron; 6] = [
     [0, 1, 2],
     [0, 2, 1],
     [1, 0, 2],
@@ -67,25 +67,25 @@ pub const ORDERS: [Order; 6] = [
     [2, 1, 0],
 ];
 
-/// The map of a tetrahedron: `origin` + `per_share`·shares.
+/// The map of a tetrahedron: `origin` + `per_coordinate`·coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TetMap {
-    /// World position of shares 0, mm.
+    /// World position of coordinates 0, mm.
     pub origin: DVec3,
-    /// World vectors along x, y and z for shares of 1, mm.
-    pub per_share: DMat3,
+    /// World vectors along x, y and z for coordinates of 1, mm.
+    pub per_coordinate: DMat3,
 }
 
 impl TetMap {
-    /// The world position of shares.
-    pub fn at(&self, shares: DVec3) -> DVec3 {
-        self.origin + self.per_share * shares
+    /// The world position of coordinates.
+    pub fn at(&self, coordinates: DVec3) -> DVec3 {
+        self.origin + self.per_coordinate * coordinates
     }
 
     /// The rotation nearest to the map: x stays in the plane of x and y, and z is its normal. It turns directions of light and
     /// fibres, whose lengths are 1.
-    pub fn turn(&self) -> DMat3 {
-        let [x, y] = [self.per_share.x_axis, self.per_share.y_axis];
+    pub fn rotation(&self) -> DMat3 {
+        let [x, y] = [self.per_coordinate.x_axis, self.per_coordinate.y_axis];
         let z = x.cross(y).normalize_or(DVec3::Z);
         let x = x.normalize_or(DVec3::X);
         DMat3::from_cols(x, z.cross(x), z)
@@ -150,8 +150,8 @@ impl FormMesh {
         let flat = self.facet_mm();
         let flat = flat.x * flat.y * flat.z;
         for facet in self.all_facets() {
-            for order in ORDERS {
-                let volume = self.tet(facet, order).per_share.determinant() / flat;
+            for tetrahedron in KUHN_TETRAHEDRA {
+                let volume = self.tet(facet, tetrahedron).per_coordinate.determinant() / flat;
                 // NaN, of a net whose points all coincide, is not sound either.
                 let is_sound = volume >= LEAST_VOLUME;
                 if !is_sound {
@@ -192,8 +192,8 @@ impl FormMesh {
             .map(|x| [0, 1].map(|y| [0, 1].map(|z| DVec3::new(x as f64, y as f64, z as f64))));
         let of_facet = |facet: [i64; 2]| {
             let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-            for shares in corners.as_flattened().as_flattened() {
-                let at = self.corner(facet, *shares);
+            for coordinates in corners.as_flattened().as_flattened() {
+                let at = self.corner(facet, *coordinates);
                 bounds = [bounds[0].min(at), bounds[1].max(at)];
             }
             let room = ROOMY * (1.0 + bounds[0].abs().max(bounds[1].abs()).max_element());
@@ -256,19 +256,19 @@ impl FormMesh {
         DVec3::new(x, y, self.heights[0])
     }
 
-    /// Sheet position of shares of a facet, mm.
-    pub fn sheet_of(&self, facet: [i64; 2], shares: DVec3) -> DVec3 {
-        self.facet_low(facet) + shares * self.facet_mm()
+    /// Sheet position of coordinates of a facet, mm.
+    pub fn sheet_of(&self, facet: [i64; 2], coordinates: DVec3) -> DVec3 {
+        self.facet_low(facet) + coordinates * self.facet_mm()
     }
 
-    /// The facet that holds a sheet position, and its shares of that; of positions beyond the cloth the nearest facet.
-    pub fn shares_of(&self, sheet: DVec3) -> ([i64; 2], DVec3) {
+    /// The facet that holds a sheet position, and its coordinates of that; of positions beyond the cloth the nearest facet.
+    pub fn cell_coordinates_of(&self, sheet: DVec3) -> ([i64; 2], DVec3) {
         let size = self.facet_mm();
         let place = (sheet - self.facet_low([0, 0])) / size;
         let facet = [0, 1]
             .map(|axis| (place[axis].floor() as i64).clamp(0, i64::from(self.facets[axis]) - 1));
-        let shares = place - DVec3::new(facet[0] as f64, facet[1] as f64, 0.0);
-        (facet, shares)
+        let coordinates = place - DVec3::new(facet[0] as f64, facet[1] as f64, 0.0);
+        (facet, coordinates)
     }
 
     /// Whether there is such a facet.
@@ -276,47 +276,50 @@ impl FormMesh {
         (0..2).all(|axis| (0..i64::from(self.facets[axis])).contains(&facet[axis]))
     }
 
-    /// World position of a corner of a facet's hexahedron; shares are 0 or 1.
-    fn corner(&self, [i, j]: [i64; 2], shares: DVec3) -> DVec3 {
-        let (i, j) = (i + shares.x as i64, j + shares.y as i64);
+    /// World position of a corner of a facet's hexahedron; coordinates are 0 or 1.
+    fn corner(&self, [i, j]: [i64; 2], coordinates: DVec3) -> DVec3 {
+        let (i, j) = (i + coordinates.x as i64, j + coordinates.y as i64);
         let index = j * (i64::from(self.facets[0]) + 1) + i;
-        let corner = self.corners[index as usize][shares.z as usize];
+        let corner = self.corners[index as usize][coordinates.z as usize];
         corner.map(f64::from).into()
     }
 
     /// The map of one of a facet's tetrahedra.
-    pub fn tet(&self, facet: [i64; 2], order: Order) -> TetMap {
-        let mut shares = DVec3::ZERO;
-        let origin = self.corner(facet, shares);
-        let mut per_share = DMat3::ZERO;
+    pub fn tet(&self, facet: [i64; 2], tetrahedron: KuhnTetrahedron) -> TetMap {
+        let mut coordinates = DVec3::ZERO;
+        let origin = self.corner(facet, coordinates);
+        let mut per_coordinate = DMat3::ZERO;
         let mut last = origin;
-        for axis in order {
-            shares[axis] = 1.0;
-            let next = self.corner(facet, shares);
-            *per_share.col_mut(axis) = next - last;
+        for axis in tetrahedron {
+            coordinates[axis] = 1.0;
+            let next = self.corner(facet, coordinates);
+            *per_coordinate.col_mut(axis) = next - last;
             last = next;
         }
-        TetMap { origin, per_share }
+        TetMap {
+            origin,
+            per_coordinate,
+        }
     }
 
-    /// The tetrahedron of a facet that holds shares.
-    pub fn order_of(shares: DVec3) -> Order {
-        let mut order = [0, 1, 2];
-        order.sort_by(|&a, &b| shares[b].total_cmp(&shares[a]));
-        order
+    /// The tetrahedron of a facet that holds coordinates.
+    pub fn tetrahedron_of(coordinates: DVec3) -> KuhnTetrahedron {
+        let mut tetrahedron = [0, 1, 2];
+        tetrahedron.sort_by(|&a, &b| coordinates[b].total_cmp(&coordinates[a]));
+        tetrahedron
     }
 
     /// The tetrahedron that holds a world position, if any does.
-    pub fn holding(&self, point: DVec3) -> Option<([i64; 2], Order)> {
+    pub fn holding(&self, point: DVec3) -> Option<([i64; 2], KuhnTetrahedron)> {
         let facets =
             self.facets_where(|[low, high]| low.cmple(point).all() && point.cmple(high).all());
         let mut tets = facets
             .into_iter()
-            .flat_map(|facet| ORDERS.map(|order| (facet, order)));
-        tets.find(|&(facet, order)| {
-            let map = self.tet(facet, order);
-            let shares = map.per_share.inverse() * (point - map.origin);
-            let [first, second, third] = order.map(|axis| shares[axis]);
+            .flat_map(|facet| KUHN_TETRAHEDRA.map(|tetrahedron| (facet, tetrahedron)));
+        tets.find(|&(facet, tetrahedron)| {
+            let map = self.tet(facet, tetrahedron);
+            let coordinates = map.per_coordinate.inverse() * (point - map.origin);
+            let [first, second, third] = tetrahedron.map(|axis| coordinates[axis]);
             first <= 1.0 && second <= first && third <= second && third >= 0.0
         })
     }
@@ -326,21 +329,21 @@ impl FormMesh {
     pub fn pick(&self, ray: &Ray, [front, back]: [f64; 2]) -> Option<(DVec2, bool)> {
         let mut nearest: Option<(f64, DVec2, bool)> = None;
         for facet in self.facets_along(ray) {
-            for order in ORDERS {
-                let map = self.tet(facet, order);
-                let shares_per_mm = map.per_share.inverse();
-                let origin = shares_per_mm * (ray.origin - map.origin);
-                let slope = shares_per_mm * ray.direction;
+            for tetrahedron in KUHN_TETRAHEDRA {
+                let map = self.tet(facet, tetrahedron);
+                let coordinates_per_mm = map.per_coordinate.inverse();
+                let origin = coordinates_per_mm * (ray.origin - map.origin);
+                let slope = coordinates_per_mm * ray.direction;
                 let is_front = slope.z < 0.0;
                 let height = if is_front { front } else { back };
                 let share = (height - self.heights[0]) / (self.heights[1] - self.heights[0]);
                 let t = (share - origin.z) / slope.z;
-                let shares = origin + slope * t;
-                let is_here = Self::order_of(shares) == order
-                    && shares.min_element() >= 0.0
-                    && shares.max_element() <= 1.0;
+                let coordinates = origin + slope * t;
+                let is_here = Self::tetrahedron_of(coordinates) == tetrahedron
+                    && coordinates.min_element() >= 0.0
+                    && coordinates.max_element() <= 1.0;
                 if is_here && t > 0.0 && nearest.is_none_or(|(last, ..)| t < last) {
-                    nearest = Some((t, self.sheet_of(facet, shares).truncate(), is_front));
+                    nearest = Some((t, self.sheet_of(facet, coordinates).truncate(), is_front));
                 }
             }
         }
@@ -394,7 +397,11 @@ impl FormMesh {
 
     /// Calls `visit` with the faces of a facet's tetrahedra that are the cloth's outside: which tetrahedron, the face's corners, and
     /// the corner opposite to it, world, mm.
-    pub fn outer_faces(&self, facet: [i64; 2], mut visit: impl FnMut(Order, [DVec3; 3], DVec3)) {
+    pub fn outer_faces(
+        &self,
+        facet: [i64; 2],
+        mut visit: impl FnMut(KuhnTetrahedron, [DVec3; 3], DVec3),
+    ) {
         let is_border = |axis: usize, side: i64| {
             let mut beyond = facet;
             if axis < 2 {
@@ -402,37 +409,39 @@ impl FormMesh {
             }
             axis == 2 || !self.has(beyond)
         };
-        for order in ORDERS {
-            let [first, _, third] = order;
+        for tetrahedron in KUHN_TETRAHEDRA {
+            let [first, _, third] = tetrahedron;
             let (ahead, behind) = (is_border(first, 1), is_border(third, -1));
             if ahead || behind {
-                let mut shares = DVec3::ZERO;
-                let mut corners = [self.corner(facet, shares); 4];
-                for (corner, axis) in corners[1..].iter_mut().zip(order) {
-                    shares[axis] = 1.0;
-                    *corner = self.corner(facet, shares);
+                let mut coordinates = DVec3::ZERO;
+                let mut corners = [self.corner(facet, coordinates); 4];
+                for (corner, axis) in corners[1..].iter_mut().zip(tetrahedron) {
+                    coordinates[axis] = 1.0;
+                    *corner = self.corner(facet, coordinates);
                 }
                 let [a, b, c, d] = corners;
                 if ahead {
-                    visit(order, [b, c, d], a);
+                    visit(tetrahedron, [b, c, d], a);
                 }
                 if behind {
-                    visit(order, [a, b, c], d);
+                    visit(tetrahedron, [a, b, c], d);
                 }
             }
         }
     }
 
     /// How directions of the sheet are turned into those of the world at a sheet position.
-    pub fn turn_at(&self, sheet: DVec3) -> DMat3 {
-        let (facet, shares) = self.shares_of(sheet);
-        self.tet(facet, Self::order_of(shares)).turn()
+    pub fn rotation_at(&self, sheet: DVec3) -> DMat3 {
+        let (facet, coordinates) = self.cell_coordinates_of(sheet);
+        self.tet(facet, Self::tetrahedron_of(coordinates))
+            .rotation()
     }
 
     /// World position of a sheet position.
     pub fn world_of(&self, sheet: DVec3) -> DVec3 {
-        let (facet, shares) = self.shares_of(sheet);
-        self.tet(facet, Self::order_of(shares)).at(shares)
+        let (facet, coordinates) = self.cell_coordinates_of(sheet);
+        self.tet(facet, Self::tetrahedron_of(coordinates))
+            .at(coordinates)
     }
 
     /// Bytes of the mesh.

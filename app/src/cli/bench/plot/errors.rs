@@ -3,7 +3,7 @@
 use plotters::prelude::{DrawingBackend, RGBColor, WHITE};
 use plotters::style::text_anchor::{HPos, VPos};
 use renderer_core::design::{Method, Sampler};
-use renderer_core::render::Skip;
+use renderer_core::render::Optimisation;
 
 use super::super::measure::{Findings, Row};
 use super::super::pareto::{self, Point};
@@ -62,7 +62,7 @@ pub struct Plot<'a> {
 /// Colour and marker of a setting: those of its method, unless it leaves out light of the target.
 fn look_of(setting: &Setting, target: &Target) -> (RGBColor, Marker) {
     if let Some(skip) = setting.without {
-        let index = Skip::ALL.iter().position(|other| *other == skip);
+        let index = Optimisation::ALL.iter().position(|other| *other == skip);
         let index = index.unwrap_or_default();
         // Blue and its disc are those of `single`; nothing else is in the same plot.
         let colour = COLOURS[1 + index % (COLOURS.len() - 1)];

@@ -1,11 +1,11 @@
-//! Skips of the compiler: scenes made with them and without, and pictures of these.
+//! Optimisations of the compiler: scenes made with them and without, and pictures of these.
 
 use std::sync::Arc;
 use std::time::Instant;
 
 use renderer_core::design::{Colour, Design};
 use renderer_core::image::metrics;
-use renderer_core::render::{Backend, Skip, Skips};
+use renderer_core::render::{Backend, Optimisation, Optimisations};
 use renderer_core::scene::{CompileReport, Compiler, Scene};
 
 use super::super::drawing;
@@ -17,7 +17,7 @@ pub struct Recompiling<'a> {
     design: &'a Design,
     edited: Design,
     size: [u32; 2],
-    skip: Skip,
+    skip: Optimisation,
 }
 
 impl<'a> Recompiling<'a> {
@@ -25,7 +25,7 @@ impl<'a> Recompiling<'a> {
     ///
     /// # Errors
     /// When it has no scene.
-    pub fn new(design: &'a Design, size: [u32; 2], skip: Skip) -> anyhow::Result<Self> {
+    pub fn new(design: &'a Design, size: [u32; 2], skip: Optimisation) -> anyhow::Result<Self> {
         let mut edited = design.clone();
         let background = &mut edited.light.background;
         *background = match *background {
@@ -42,12 +42,12 @@ impl<'a> Recompiling<'a> {
 
     fn compile(&self, with: bool) -> anyhow::Result<(Arc<Scene>, CompileReport, Spent)> {
         let skips = match with {
-            true => Skips::ALL,
-            false => Skips::ALL.without(self.skip),
+            true => Optimisations::ALL,
+            false => Optimisations::ALL.without(self.skip),
         };
-        let mut compiler = Compiler::new(skips);
+        let mut compiler = Compiler::new(skips.into());
         let design = match self.skip {
-            Skip::UnchangedSections => {
+            Optimisation::UnchangedSections => {
                 compiler.compile(self.design)?;
                 &self.edited
             }
@@ -94,7 +94,7 @@ impl Trial for Recompiling<'_> {
 
     fn work(&self) -> String {
         match self.skip {
-            Skip::UnchangedSections => "compile after an edit of the light".into(),
+            Optimisation::UnchangedSections => "compile after an edit of the light".into(),
             _ => "compile".into(),
         }
     }

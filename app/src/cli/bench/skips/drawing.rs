@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use renderer_core::design::Design;
 use renderer_core::image::metrics;
-use renderer_core::render::{Backend, RenderRequest, Skip, convergence};
+use renderer_core::render::{Backend, Optimisation, RenderRequest, convergence};
 use renderer_core::scene::Scene;
 
 use super::super::drawing::{self, Drawn};
@@ -21,7 +21,7 @@ const MOST_FOR_TARGET: u32 = 256;
 /// A picture of some samples, or one up to an error.
 pub struct Sampling {
     request: RenderRequest,
-    skip: Skip,
+    skip: Optimisation,
 }
 
 impl Sampling {
@@ -33,7 +33,7 @@ impl Sampling {
         design: &Design,
         scene: &Arc<Scene>,
         size: [u32; 2],
-        skip: Skip,
+        skip: Optimisation,
         backend: &mut dyn Backend,
         deadline: Instant,
     ) -> anyhow::Result<Option<Self>> {
@@ -55,7 +55,7 @@ impl Sampling {
         design: &Design,
         scene: &Arc<Scene>,
         size: [u32; 2],
-        skip: Skip,
+        skip: Optimisation,
         backend: &mut dyn Backend,
         deadline: Instant,
     ) -> anyhow::Result<Option<Self>> {
@@ -75,7 +75,7 @@ impl Sampling {
     fn side(&self, with: bool) -> RenderRequest {
         let mut request = self.request.clone();
         if !with {
-            request.settings.skips = request.settings.skips.without(self.skip);
+            request.settings.optimisations = request.settings.optimisations.without(self.skip);
         }
         request
     }

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use renderer_core::design::Design;
-use renderer_core::render::{Backend, BackendKind, Counters, Skip};
+use renderer_core::render::{Backend, BackendKind, Counters, Optimisation};
 use renderer_core::scene;
 
 pub use report::{bars, counter_of, csv, section, verdict};
@@ -31,7 +31,7 @@ const MOST_PAIRS: u32 = 15;
 #[derive(Debug, Clone)]
 pub struct Line {
     /// Which.
-    pub skip: Skip,
+    pub skip: Optimisation,
     /// What was found, or why nothing was.
     pub found: Result<Found, String>,
 }
@@ -109,8 +109,8 @@ pub fn measure(
     let mut gpu: Option<Result<Box<dyn Backend>, String>> = None;
     // Up to an error takes longest: it comes last, and has what the others leave over.
     let kind = backend.kind();
-    let is_to_error = |skip: &Skip| switch_of(*skip, kind, method) == Switch::Target;
-    let mut order = Skip::ALL.to_vec();
+    let is_to_error = |skip: &Optimisation| switch_of(*skip, kind, method) == Switch::Target;
+    let mut order = Optimisation::ALL.to_vec();
     order.sort_by_key(is_to_error);
     for (index, skip) in order.into_iter().enumerate() {
         say(&format!("skip {skip}"));
@@ -118,7 +118,7 @@ pub fn measure(
             1
         } else {
             // As much for the last one as for three others.
-            (Skip::ALL.len() - index + 2) as u32
+            (Optimisation::ALL.len() - index + 2) as u32
         };
         let now = Instant::now();
         let left = deadline.saturating_duration_since(now);
@@ -169,13 +169,13 @@ pub fn measure(
         };
         lines.push(line);
     }
-    let place = |line: &Line| Skip::ALL.iter().position(|skip| *skip == line.skip);
+    let place = |line: &Line| Optimisation::ALL.iter().position(|skip| *skip == line.skip);
     lines.sort_by_key(place);
     Ok(lines)
 }
 
 impl Line {
-    fn not_measured(skip: Skip, why: &str) -> Self {
+    fn not_measured(skip: Optimisation, why: &str) -> Self {
         Self {
             skip,
             found: Err(why.into()),

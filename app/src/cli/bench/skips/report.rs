@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use renderer_core::render::{Counters, Skip};
+use renderer_core::render::{Counters, Optimisation};
 
 use super::super::csv::{number, quoted, table};
 use super::super::plot::{Bar, Bars};
@@ -22,7 +22,7 @@ const ROUNDING: f64 = 1e-5;
 const CUT: f64 = 3.0;
 
 /// The counter that moves when this skip does, and its name.
-pub fn counter_of(skip: Skip, side: &Side) -> Option<(&'static str, u64)> {
+pub fn counter_of(skip: Optimisation, side: &Side) -> Option<(&'static str, u64)> {
     let Counters {
         skipped_tiles,
         converged_tiles,
@@ -34,15 +34,15 @@ pub fn counter_of(skip: Skip, side: &Side) -> Option<(&'static str, u64)> {
     } = side.counters;
     let [kept, left_out] = side.left_out;
     match skip {
-        Skip::EmptyCells => Some(("cells", skipped_cells)),
-        Skip::RepeatedTests => Some(("patch tests", repeated_tests)),
-        Skip::BackgroundTiles => Some(("samples of tiles", skipped_tiles)),
-        Skip::ConvergedTiles => Some(("samples of tiles", converged_tiles)),
-        Skip::OpaqueRays => Some(("shadow rays", ended_rays)),
-        Skip::HiddenGround => Some(("rays", hidden_rays)),
-        Skip::UnchangedSections => Some(("sections", kept)),
-        Skip::UnplantedLoops => Some(("frames", left_out)),
-        Skip::UnusedShading | Skip::Idle => None,
+        Optimisation::EmptyCells => Some(("cells", skipped_cells)),
+        Optimisation::RepeatedTests => Some(("patch tests", repeated_tests)),
+        Optimisation::BackgroundTiles => Some(("samples of tiles", skipped_tiles)),
+        Optimisation::ConvergedTiles => Some(("samples of tiles", converged_tiles)),
+        Optimisation::OpaqueRays => Some(("shadow rays", ended_rays)),
+        Optimisation::HiddenGround => Some(("rays", hidden_rays)),
+        Optimisation::UnchangedSections => Some(("sections", kept)),
+        Optimisation::UnplantedLoops => Some(("frames", left_out)),
+        Optimisation::UnusedShading | Optimisation::Idle => None,
     }
 }
 
@@ -124,7 +124,7 @@ pub fn section(lines: &[Line]) -> String {
     text
 }
 
-fn measured(skip: Skip, found: &Found) -> String {
+fn measured(skip: Optimisation, found: &Found) -> String {
     let tests = [found.with, found.without].map(|side| side.counters.patch_tests);
     let tests = match tests {
         [0, 0] => "–".into(),

@@ -1,7 +1,7 @@
 //! Where each skip can be turned off.
 
 use renderer_core::design::Method;
-use renderer_core::render::{BackendKind, Skip};
+use renderer_core::render::{BackendKind, Optimisation};
 
 /// What has to be done to see what a skip is worth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,36 +17,38 @@ pub enum Switch {
 }
 
 /// The switch of a skip where this backend draws by this method.
-pub fn switch_of(skip: Skip, backend: BackendKind, method: Method) -> Switch {
+pub fn switch_of(skip: Optimisation, backend: BackendKind, method: Method) -> Switch {
     // Who asks the processor for these gets the reference on all cores, which leaves out next to nothing.
     let is_plain = matches!(method, Method::Exact | Method::SixFace);
     let is_fast_processor = backend == BackendKind::Cpu && !is_plain;
     let is_gpu = backend == BackendKind::Gpu && method != Method::SixFace;
     match skip {
-        Skip::BackgroundTiles => Switch::Drawing,
-        Skip::ConvergedTiles => Switch::Target,
-        Skip::EmptyCells | Skip::RepeatedTests if is_fast_processor => Switch::Drawing,
-        Skip::OpaqueRays if is_fast_processor || is_gpu => Switch::Drawing,
-        Skip::HiddenGround | Skip::UnusedShading if is_gpu => Switch::Drawing,
-        Skip::UnchangedSections | Skip::UnplantedLoops => Switch::Compiling,
+        Optimisation::BackgroundTiles => Switch::Drawing,
+        Optimisation::ConvergedTiles => Switch::Target,
+        Optimisation::EmptyCells | Optimisation::RepeatedTests if is_fast_processor => {
+            Switch::Drawing
+        }
+        Optimisation::OpaqueRays if is_fast_processor || is_gpu => Switch::Drawing,
+        Optimisation::HiddenGround | Optimisation::UnusedShading if is_gpu => Switch::Drawing,
+        Optimisation::UnchangedSections | Optimisation::UnplantedLoops => Switch::Compiling,
         _ => Switch::None,
     }
 }
 
 /// The skips that have curves of their own on the plot of run time against error: those that change what a sample costs, and
 /// those that change how many are drawn up to an error.
-pub fn curve_skips(backend: BackendKind, method: Method) -> Vec<Skip> {
-    let has_curve = |skip: &Skip| {
+pub fn curve_skips(backend: BackendKind, method: Method) -> Vec<Optimisation> {
+    let has_curve = |skip: &Optimisation| {
         matches!(
             switch_of(*skip, backend, method),
             Switch::Drawing | Switch::Target
         )
     };
-    Skip::ALL.into_iter().filter(has_curve).collect()
+    Optimisation::ALL.into_iter().filter(has_curve).collect()
 }
 
 /// The skips that change what a sample costs.
-pub fn drawing_skips(backend: BackendKind, method: Method) -> Vec<Skip> {
-    let changes = |skip: &Skip| switch_of(*skip, backend, method) == Switch::Drawing;
-    Skip::ALL.into_iter().filter(changes).collect()
+pub fn drawing_skips(backend: BackendKind, method: Method) -> Vec<Optimisation> {
+    let changes = |skip: &Optimisation| switch_of(*skip, backend, method) == Switch::Drawing;
+    Optimisation::ALL.into_iter().filter(changes).collect()
 }

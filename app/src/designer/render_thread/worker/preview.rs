@@ -5,8 +5,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use renderer_core::render::{Camera, LevelPlan, Levels, Progress, RenderRequest, Settings};
-use renderer_core::scene::{Cancel, Excerpt, SeenScene};
+use renderer_core::geometry::Camera;
+use renderer_core::render::{Progress, RenderRequest, Settings};
+use renderer_core::scene::lod::{LodPlan, LodRegion, LodView};
+use renderer_core::scene::{Cancel, PreviewScene};
 
 use super::super::{Stage, ViewRequest, coarse_preview, workers};
 use super::{FINISHED_ANYWAY, Failure, Worker, advance};
@@ -73,12 +75,12 @@ impl Worker<'_> {
         let size = self.fallback.fitted(view.size, largest_side);
         let settings = view.light.settings(&view.design);
         let camera = Camera::from_design(&view.camera);
-        if Excerpt::is_needed(&view.design) {
+        if LodRegion::is_needed(&view.design) {
             return self.preview_of_levels(view, &camera, size, settings, is_given_up);
         }
         let is_edit =
             (self.made.as_ref()).is_some_and(|(design, _)| !Arc::ptr_eq(design, &view.design));
-        if !is_edit || self.maker.has_loops_of(&view.design, &LevelPlan::whole()) {
+        if !is_edit || self.maker.has_loops_of(&view.design, &LodPlan::whole()) {
             return Ok(None);
         }
         let plan = workers::with_all(|| {
@@ -90,19 +92,12 @@ impl Worker<'_> {
         self.publish(|state| state.stage = Stage::Compiling);
         let compiler = self.maker.whole();
         let made = workers::with_all(|| {
-            compiler.compile_seen(&view.design, &preview.seen, &Cancel::when(is_given_up))
+            compiler.compile_visible(&view.design, &preview.seen, &Cancel::when(is_given_up))
         })?;
-        let SeenScene::Part(scene) = made else {
+        let PreviewScene::Part(scene) = made else {
             return Ok(None);
         };
-        let whole = RenderRequest {
-            scene,
-            camera,
-            levels: Levels::default(),
-            size,
-            crop: [0, 0, size[0], size[1]],
-            settings,
-        };
+        let whole = RenderRequest::new(LodView::of(scene, camera), size, settings);
         Ok(Some(coarse_preview::reduced(&whole, preview.divisor)))
     }
 
@@ -122,15 +117,13 @@ impl Worker<'_> {
         }
         let divisor = coarse_preview::divisor_of_levels(size, self.cost);
         let reduced = size.map(|side| side.div_ceil(divisor));
-        let plan = LevelPlan::new(&view.design, camera, reduced, coarse_preview::LEVELS, None);
+        let plan = LodPlan::new(&view.design, camera, reduced, coarse_preview::LEVELS, None);
         self.publish(|state| state.stage = Stage::Compiling);
         let maker = &mut self.preview_maker;
         let made =
             workers::with_all(|| maker.make(&view.design, plan, &Cancel::when(is_given_up)))?;
-        let sight = made.sight(&view.design, camera, reduced);
-        Ok(Some(coarse_preview::reduced(
-            &sight.request(size, settings),
-            divisor,
-        )))
+        let seen = made.view(&view.design, camera, reduced);
+        let whole = RenderRequest::new(seen, size, settings);
+        Ok(Some(coarse_preview::reduced(&whole, divisor)))
     }
 }

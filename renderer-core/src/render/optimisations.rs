@@ -1,13 +1,15 @@
-//! Work that renderers leave out because it cannot be seen. Every skip has a name, a counter in [`super::Counters`], and a
+//! Work that renderers leave out because it cannot be seen. Every optimisation has a name, a counter in [`super::Counters`], and a
 //! switch, so that its gain can be measured and its picture compared.
 
 use std::fmt;
 use std::str::FromStr;
 
+use crate::scene::CompilerOptions;
+
 /// One kind of work that is left out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[repr(u8)]
-pub enum Skip {
+pub enum Optimisation {
     /// Cells whose loops are all above or below the ray, and loops in them that are. Exact.
     EmptyCells,
     /// Loops that a ray has met in an earlier cell are not tested again. Exact.
@@ -31,7 +33,7 @@ pub enum Skip {
     Idle,
 }
 
-impl Skip {
+impl Optimisation {
     /// All of them.
     pub const ALL: [Self; 10] = [
         Self::EmptyCells,
@@ -67,48 +69,57 @@ impl Skip {
     }
 }
 
-impl fmt::Display for Skip {
+impl fmt::Display for Optimisation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
     }
 }
 
-impl FromStr for Skip {
+impl FromStr for Optimisation {
     type Err = String;
 
     fn from_str(name: &str) -> Result<Self, String> {
         Self::ALL
             .into_iter()
-            .find(|skip| skip.name() == name)
+            .find(|one| one.name() == name)
             .ok_or_else(|| {
                 let names = Self::ALL.map(Self::name).join(", ");
-                format!("no skip is called \"{name}\"; there are {names}")
+                format!("no optimisation is called \"{name}\"; there are {names}")
             })
     }
 }
 
-/// Which work is left out; all of it unless told otherwise.
+/// Which work is left out; all of it by default.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct Skips(u16);
+pub struct Optimisations(u16);
 
-impl Default for Skips {
+impl From<Optimisations> for CompilerOptions {
+    fn from(optimisations: Optimisations) -> Self {
+        Self {
+            keeps_unchanged: optimisations.has(Optimisation::UnchangedSections),
+            skips_unplanted: optimisations.has(Optimisation::UnplantedLoops),
+        }
+    }
+}
+
+impl Default for Optimisations {
     fn default() -> Self {
         Self::ALL
     }
 }
 
-impl Skips {
+impl Optimisations {
     /// All.
     pub const ALL: Self = Self(u16::MAX);
 
     /// Whether this work is left out.
-    pub fn has(self, skip: Skip) -> bool {
-        self.0 & skip.bit() != 0
+    pub fn has(self, one: Optimisation) -> bool {
+        self.0 & one.bit() != 0
     }
 
-    /// All of these but `skip`.
+    /// All of these but `one`.
     #[must_use]
-    pub fn without(self, skip: Skip) -> Self {
-        Self(self.0 & !skip.bit())
+    pub fn without(self, one: Optimisation) -> Self {
+        Self(self.0 & !one.bit())
     }
 }

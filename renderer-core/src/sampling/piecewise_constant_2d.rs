@@ -26,7 +26,7 @@ const NOTABLE: f64 = 0.02;
 
 /// The shares.
 #[derive(Debug, Clone)]
-pub struct EnvironmentLight {
+pub struct PiecewiseConstant2D {
     width: usize,
     height: usize,
     /// For each texel, row by row, the share of its row's light up to it and with it.
@@ -45,9 +45,9 @@ struct Texel {
     column: usize,
 }
 
-impl EnvironmentLight {
+impl PiecewiseConstant2D {
     /// Of a picture of `width` × `height` pixels.
-    pub(super) fn new(width: usize, height: usize, pixels: &[[f32; 3]]) -> Self {
+    pub(crate) fn new(width: usize, height: usize, pixels: &[[f32; 3]]) -> Self {
         let rings = height.div_ceil(2);
         let raw: Vec<f64> = pixels
             .iter()
@@ -119,7 +119,7 @@ impl EnvironmentLight {
     }
 
     /// The same, said to be even.
-    pub(super) fn taken_as_even(&self) -> Self {
+    pub(crate) fn taken_as_even(&self) -> Self {
         Self {
             is_uneven: false,
             ..self.clone()

@@ -1,39 +1,9 @@
-//! Cameras: pixel to ray, in f64, and the f32 bases of rays for tiles of pixels.
+//! Rays of tiles of pixels as f32 bases: what a renderer in f32 makes its camera rays from, anywhere on a large sheet.
 
 use glam::{DVec2, DVec3};
 
-use crate::design::CameraDesign;
+use crate::geometry::Camera;
 use crate::scene::SheetGeometry;
-
-/// How a camera projects.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Projection {
-    /// Rays from one point; vertical angle of view, radians.
-    Perspective {
-        /// Vertical angle of view, radians.
-        fov: f64,
-    },
-    /// Parallel rays; height of the picture, mm.
-    Orthographic {
-        /// Height of the picture, mm.
-        height_mm: f64,
-    },
-}
-
-/// A camera in world space.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Camera {
-    /// Position of the eye, mm (for orthographic cameras: where depth is measured from).
-    pub eye: DVec3,
-    /// Unit vectors to the right, up and forward in the picture.
-    pub right: DVec3,
-    /// Up in the picture.
-    pub up: DVec3,
-    /// Into the picture.
-    pub forward: DVec3,
-    /// How it projects.
-    pub projection: Projection,
-}
 
 /// Rays of one tile of pixels, relative to a cell, for f32 arithmetic anywhere on a large sheet.
 ///
@@ -76,108 +46,6 @@ const MOST_SHRINK: f64 = 0.25;
 const TILE_REACH: f64 = 8.0;
 
 impl Camera {
-    /// The camera a design describes.
-    pub fn from_design(design: &CameraDesign) -> Self {
-        let (azimuth, elevation) = (design.azimuth.to_radians(), design.elevation.to_radians());
-        let towards_eye = DVec3::new(
-            azimuth.cos() * elevation.cos(),
-            azimuth.sin() * elevation.cos(),
-            elevation.sin(),
-        );
-        // The azimuth alone fixes "right", so the picture does not flip when looking straight down.
-        let right = DVec3::new(-azimuth.sin(), azimuth.cos(), 0.0);
-        let forward = -towards_eye;
-        let projection = match design.orthographic_height {
-            Some(height_mm) => Projection::Orthographic { height_mm },
-            None => Projection::Perspective {
-                fov: design.fov.to_radians(),
-            },
-        };
-        let eye = DVec3::from_array(design.target) + towards_eye * design.distance;
-        Self {
-            eye,
-            right,
-            up: right.cross(forward),
-            forward,
-            projection,
-        }
-    }
-
-    /// Width of a pixel of a picture `height` pixels high, across the view where its middle meets the sheet's plane (or at the
-    /// eye's height above it, for views past the sheet), mm.
-    pub fn pixel_mm(&self, height: u32) -> f64 {
-        let to_plane = -self.eye.z / self.forward.z;
-        let distance = if to_plane > 0.0 && to_plane.is_finite() {
-            to_plane.min(self.eye.length())
-        } else {
-            self.eye.z.abs()
-        };
-        self.pixel_mm_at_depth(distance, height)
-    }
-
-    /// Width of a pixel of a picture `height` pixels high, across the view at a point, mm.
-    pub fn pixel_mm_at(&self, point: DVec3, height: u32) -> f64 {
-        let depth = (point - self.eye).dot(self.forward);
-        self.pixel_mm_at_depth(depth.max(0.0), height)
-    }
-
-    fn pixel_mm_at_depth(&self, depth: f64, height: u32) -> f64 {
-        let across = match self.projection {
-            Projection::Orthographic { height_mm } => height_mm,
-            Projection::Perspective { fov } => 2.0 * depth * (0.5 * fov).tan(),
-        };
-        across / f64::from(height.max(1))
-    }
-
-    /// Where a point is in a picture of `size` pixels, from its top left; `None` behind the eye.
-    pub fn pixel_of(&self, point: DVec3, size: [u32; 2]) -> Option<DVec2> {
-        let from_eye = point - self.eye;
-        let pixel_mm = self.pixel_mm_at(point, size[1]);
-        let is_ahead = self.is_parallel() || from_eye.dot(self.forward) > 0.0;
-        let offset = DVec2::new(from_eye.dot(self.right), -from_eye.dot(self.up)) / pixel_mm;
-        let middle = DVec2::new(f64::from(size[0]), f64::from(size[1])) / 2.0;
-        is_ahead.then_some(middle + offset)
-    }
-
-    /// Whether all rays have one direction.
-    pub fn is_parallel(&self) -> bool {
-        matches!(self.projection, Projection::Orthographic { .. })
-    }
-
-    /// Origin (mm) and unit direction of the ray through the point `pixel` (from the top left, pixel centres at ½) of a
-    /// picture of `size` pixels.
-    pub fn ray(&self, pixel: DVec2, size: [u32; 2]) -> (DVec3, DVec3) {
-        let (origin, direction, ..) = self.basis(pixel, size);
-        (origin, direction / direction.length())
-    }
-
-    /// Origin and unnormalised direction at `pixel`, then their changes for a pixel right and down.
-    fn basis(&self, pixel: DVec2, size: [u32; 2]) -> (DVec3, DVec3, [DVec3; 2], [DVec3; 2]) {
-        let (width, height) = (f64::from(size[0]), f64::from(size[1]));
-        let offset = pixel - DVec2::new(width, height) / 2.0;
-        let plane = |scale: f64| (self.right * scale, -self.up * scale);
-        match self.projection {
-            Projection::Perspective { fov } => {
-                let (dx, dy) = plane(2.0 * (fov / 2.0).tan() / height);
-                (
-                    self.eye,
-                    self.forward + dx * offset.x + dy * offset.y,
-                    [DVec3::ZERO; 2],
-                    [dx, dy],
-                )
-            }
-            Projection::Orthographic { height_mm } => {
-                let (dx, dy) = plane(height_mm / height);
-                (
-                    self.eye + dx * offset.x + dy * offset.y,
-                    self.forward,
-                    [dx, dy],
-                    [DVec3::ZERO; 2],
-                )
-            }
-        }
-    }
-
     /// The ray basis of the tile whose reference point is `pixel`; the origin is moved along the reference ray to where
     /// it enters the box around the cloth (its least and greatest corner), so that f32 offsets from it stay small.
     pub fn ray_tile(

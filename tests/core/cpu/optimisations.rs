@@ -7,7 +7,7 @@
 use renderer_core::cpu::CpuBackend;
 use renderer_core::design::{Design, Method};
 use renderer_core::image::Picture;
-use renderer_core::render::{Backend, Counters, RenderRequest, Skip};
+use renderer_core::render::{Backend, Counters, Optimisation, RenderRequest};
 
 use super::scenes::{CAMERAS, LOOPS};
 use crate::support::agreement::same_distribution;
@@ -17,14 +17,14 @@ use crate::support::scenes::{load_design, preset_path, request, small_towel};
 
 const COMPOSITED: [Method; 2] = [Method::Single, Method::Layered];
 
-fn without(request: &RenderRequest, skip: Skip) -> RenderRequest {
+fn without(request: &RenderRequest, skip: Optimisation) -> RenderRequest {
     let mut request = request.clone();
-    request.settings.skips = request.settings.skips.without(skip);
+    request.settings.optimisations = request.settings.optimisations.without(skip);
     request
 }
 
 /// Pictures and counters with the skip and without.
-fn on_and_off(request: &RenderRequest, skip: Skip) -> [(Picture, Counters); 2] {
+fn on_and_off(request: &RenderRequest, skip: Optimisation) -> [(Picture, Counters); 2] {
     let mut request = request.clone();
     request.settings.counters = true;
     [request.clone(), without(&request, skip)].map(|request| {
@@ -65,7 +65,7 @@ fn assert_same(request: &RenderRequest, on: &Picture, off: &Picture) {
 }
 
 /// Sums of counters over several pictures, with the skip and without, of the same samples.
-fn totals(method: Method, skip: Skip) -> [Counters; 2] {
+fn totals(method: Method, skip: Optimisation) -> [Counters; 2] {
     let mut totals = [Counters::default(); 2];
     for request in requests(method) {
         let [on, off] = on_and_off(&request, skip);
@@ -79,7 +79,7 @@ fn totals(method: Method, skip: Skip) -> [Counters; 2] {
 #[test]
 fn without_empty_cells_the_samples_are_the_same() {
     for method in COMPOSITED {
-        let [some, none] = totals(method, Skip::EmptyCells);
+        let [some, none] = totals(method, Optimisation::EmptyCells);
         assert!(some.skipped_cells > some.cells / 20, "{some:?}");
         assert_eq!(none.skipped_cells, 0);
         assert!(some.patch_tests < none.patch_tests / 2, "{some:?} {none:?}");
@@ -95,7 +95,7 @@ fn without_empty_cells_the_samples_are_the_same() {
 #[test]
 fn without_remembering_tests_the_samples_are_the_same() {
     for method in COMPOSITED {
-        let [some, none] = totals(method, Skip::RepeatedTests);
+        let [some, none] = totals(method, Optimisation::RepeatedTests);
         assert!(some.repeated_tests > some.patch_tests / 100, "{some:?}");
         assert_eq!(none.repeated_tests, 0);
         assert!(some.patch_tests < none.patch_tests, "{some:?} {none:?}");
@@ -108,7 +108,8 @@ fn dark_shadow_rays_end() {
         let mut design = load_design(&preset_path("paper-fig12"));
         (design.quality.method, design.quality.bounces) = (method, 1);
         design.quality.samples = 2;
-        let [(on, some), (off, none)] = on_and_off(&request(&design, [48, 40]), Skip::OpaqueRays);
+        let [(on, some), (off, none)] =
+            on_and_off(&request(&design, [48, 40]), Optimisation::OpaqueRays);
         assert!(some.ended_rays > some.shadow_rays / 20, "{some:?}");
         assert!(none.ended_rays == 0 && none.volume_samples > some.volume_samples);
         // What is left out is below 10⁻⁴ of the light, and suns and sky give a pixel some units of radiance; all else is
@@ -133,10 +134,10 @@ fn tracked_pictures_have_the_same_distribution_without_skips() {
     let on = repeats(&mut CpuBackend::default(), &request, 100);
     for (skip, counter) in [
         (
-            Skip::EmptyCells,
+            Optimisation::EmptyCells,
             (|c| c.skipped_cells) as fn(&Counters) -> u64,
         ),
-        (Skip::OpaqueRays, |c| c.ended_rays),
+        (Optimisation::OpaqueRays, |c| c.ended_rays),
     ] {
         let [(_, some), (_, none)] = on_and_off(&request, skip);
         assert!(counter(&some) > some.rays / 100, "{skip}: {some:?}");
@@ -153,14 +154,14 @@ fn shadow_rays_end_at_the_ground_before_loops_are_looked_at() {
         design.quality.method = method;
         // A sun behind the cloth: the ground is in the way of most of its light.
         design.light.sun[0].elevation = -60.0;
-        let [(_, counted), _] = on_and_off(&request(&design, [48, 40]), Skip::HiddenGround);
+        let [(_, counted), _] = on_and_off(&request(&design, [48, 40]), Optimisation::HiddenGround);
         assert!(
             counted.hidden_rays > counted.shadow_rays / 20,
             "{counted:?}"
         );
         assert!(counted.hidden_rays < counted.shadow_rays);
         design.skeleton.visible = false;
-        let [(_, counted), _] = on_and_off(&request(&design, [48, 40]), Skip::HiddenGround);
+        let [(_, counted), _] = on_and_off(&request(&design, [48, 40]), Optimisation::HiddenGround);
         assert_eq!(counted.hidden_rays, 0);
     }
 }
@@ -170,7 +171,7 @@ fn few_patches_are_tested() {
     let design = load_design(&preset_path("paper-fig1"));
     let mut request = request(&design, [160, 120]);
     request.settings.samples = 1;
-    let [(_, counted), _] = on_and_off(&request, Skip::EmptyCells);
+    let [(_, counted), _] = on_and_off(&request, Optimisation::EmptyCells);
     let rays = counted.rays + counted.shadow_rays;
     let tests = counted.patch_tests as f64 / rays as f64;
     eprintln!("paper-fig1: {tests:.2} patches a ray, {counted:?}");

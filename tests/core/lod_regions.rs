@@ -1,4 +1,4 @@
-//! Excerpts: each shows what the whole cloth shows there, and halved cloth is as bright from everywhere. Which of them a picture
+//! Regions: each shows what the whole cloth shows there, and halved cloth is as bright from everywhere. Which of them a picture
 //! needs is in `levels`.
 
 use std::sync::Arc;
@@ -8,35 +8,38 @@ use renderer_core::design::{ChartImage, Colour, Design, Fit, Method, Pattern};
 use renderer_core::image::{Picture, metrics};
 use renderer_core::render::{Backend, RenderRequest};
 use renderer_core::sampling::hash;
-use renderer_core::scene::{Cancel, Compiler, Excerpt, Scene};
+use renderer_core::scene::lod::{LodRegion, LodView};
+use renderer_core::scene::{Cancel, Compiler, Scene};
 
 use crate::support::device::{exact_gpu, finish, reference};
 use crate::support::scenes::{load_design, preset_path, request, small_towel};
 
-/// The scene of an excerpt.
-pub fn compiled(design: &Design, excerpt: Excerpt) -> Arc<Scene> {
+/// The scene of a region.
+pub fn compiled(design: &Design, region: LodRegion) -> Arc<Scene> {
     let mut compiler = Compiler::default();
-    let scene = compiler.compile_excerpt(design, excerpt, &Cancel::never());
+    let scene = compiler.compile_region(design, region, &Cancel::never());
     scene.unwrap()
 }
 
-/// The same picture from an excerpt.
-fn of_excerpt(request: &RenderRequest, design: &Design, excerpt: Excerpt) -> RenderRequest {
+/// The same picture from a region.
+fn of_region(request: &RenderRequest, design: &Design, region: LodRegion) -> RenderRequest {
     RenderRequest {
-        scene: compiled(design, excerpt),
-        camera: excerpt.camera(design, &request.camera),
+        view: LodView::of(
+            compiled(design, region),
+            region.camera(design, request.camera()),
+        ),
         ..request.clone()
     }
 }
 
 /// All of a cloth, halved.
-pub fn halved(design: &Design, halvings: u32) -> Excerpt {
+pub fn at_lod(design: &Design, lod: u32) -> LodRegion {
     let whole = [design.sheet.warps, design.sheet.wefts];
-    Excerpt {
+    LodRegion {
         whole,
-        halvings,
+        lod,
         first: [0, 0],
-        cells: Excerpt::halved(whole, halvings),
+        cells: LodRegion::cells_at(whole, lod),
     }
 }
 
@@ -73,18 +76,18 @@ pub fn differing(a: &Picture, b: &Picture) -> usize {
 }
 
 #[test]
-fn an_excerpt_shows_what_the_whole_cloth_shows_there() {
+fn a_region_shows_what_the_whole_cloth_shows_there() {
     let mut design = manifold();
-    let part = |first: [u32; 2]| Excerpt {
+    let part = |first: [u32; 2]| LodRegion {
         whole: [60, 50],
-        halvings: 0,
+        lod: 0,
         first,
         cells: [36, 34],
     };
     for fit in [Fit::Tile, Fit::Stretch] {
         (design.chart.fit, design.nap.fit) = (fit, fit);
         let whole = request(&design, [40, 32]);
-        let excerpt = of_excerpt(&whole, &design, part([22, 5]));
+        let region = of_region(&whole, &design, part([22, 5]));
         let mut backends: [Box<dyn Backend>; 3] = [
             Box::new(CpuBackend::default()),
             Box::new(reference()),
@@ -92,16 +95,16 @@ fn an_excerpt_shows_what_the_whole_cloth_shows_there() {
         ];
         for backend in &mut backends {
             let name = backend.kind().name();
-            let [all, some] = [&whole, &excerpt].map(|request| finish(&mut **backend, request));
+            let [all, some] = [&whole, &region].map(|request| finish(&mut **backend, request));
             // Places are rounded from another origin: what a ray grazes may change, found is up to one in two hundred.
             let differ = differing(&all, &some);
             assert!(differ <= 8, "{name}, {fit:?}: {differ}");
         }
         // Loops of the cells beside them would be noticed.
-        let mut beside = excerpt.clone();
-        beside.scene = compiled(&design, part([23, 5]));
+        let mut beside = region.clone();
+        beside.view.levels.nearest.scene = compiled(&design, part([23, 5]));
         let [right, wrong] =
-            [&excerpt, &beside].map(|request| finish(&mut CpuBackend::default(), request));
+            [&region, &beside].map(|request| finish(&mut CpuBackend::default(), request));
         assert!(differing(&right, &wrong) > 400, "{fit:?}");
     }
 }
@@ -126,17 +129,17 @@ fn halved_cloth_is_as_bright_from_everywhere() {
             camera.orthographic_height = Some(80.0);
             let whole = request(&design, [24, 24]);
             let bright = mean(&whole);
-            for halvings in [1, 3] {
-                let half = of_excerpt(&whole, &design, halved(&design, halvings));
+            for lod in [1, 3] {
+                let half = of_region(&whole, &design, at_lod(&design, lod));
                 let ratio = mean(&half) / bright;
-                eprintln!("{name}, {elevation}°, {azimuth}°, halved {halvings} times: {ratio:.4}");
+                eprintln!("{name}, {elevation}°, {azimuth}°, LOD {lod}: {ratio:.4}");
                 // Found: 0.97 to 1.02, much of which is noise.
                 assert!((0.95..1.05).contains(&ratio), "{name}: {ratio}");
             }
             // Grown loops of another density would be noticed.
             let mut airy = design.clone();
             airy.pile.density /= 2.0;
-            let half = of_excerpt(&whole, &airy, halved(&airy, 1));
+            let half = of_region(&whole, &airy, at_lod(&airy, 1));
             let ratio = mean(&half) / bright;
             assert!(!(0.95..1.05).contains(&ratio), "{name}: {ratio}");
         }
@@ -172,13 +175,13 @@ fn colours_of_halved_cloth_are_mixed() {
         let reds = scene.looks.iter().map(|look| f64::from(look.albedo[0]));
         reds.collect::<Vec<_>>()
     };
-    let [least, most] = reds(&whole.scene)
+    let [least, most] = reds(whole.scene())
         .into_iter()
         .fold([f64::INFINITY, 0.0], |[a, b], red| [a.min(red), b.max(red)]);
-    for halvings in [1, 3] {
-        let half = of_excerpt(&whole, &design, halved(&design, halvings));
+    for lod in [1, 3] {
+        let half = of_region(&whole, &design, at_lod(&design, lod));
         let ratios = [0, 1, 2].map(|channel| channels(&half)[channel] / of_whole[channel]);
-        eprintln!("halved {halvings} times: {ratios:.3?}");
+        eprintln!("LOD {lod}: {ratios:.3?}");
         // Light that goes from red loops to blue ones is lost, which their mean does not tell: for single cells of such colours
         // found are 0.90 to 1.13.
         assert!(
@@ -186,15 +189,12 @@ fn colours_of_halved_cloth_are_mixed() {
             "{ratios:?}"
         );
         // Four cells of one colour are one in five, sixteen one in seven hundred; by chance all loops would have one colour.
-        let of_one_colour = reds(&half.scene)
+        let of_one_colour = reds(half.scene())
             .into_iter()
             .filter(|red| *red <= least || *red >= most);
-        let share = of_one_colour.count() as f64 / half.scene.looks.len() as f64;
-        let expected = if halvings == 1 { 0.17..0.25 } else { 0.0..0.01 };
-        assert!(
-            expected.contains(&share),
-            "halved {halvings} times: {share}"
-        );
+        let share = of_one_colour.count() as f64 / half.scene().looks.len() as f64;
+        let expected = if lod == 1 { 0.17..0.25 } else { 0.0..0.01 };
+        assert!(expected.contains(&share), "LOD {lod}: {share}");
     }
 }
 
@@ -204,21 +204,21 @@ fn patterns_larger_than_what_is_merged_keep_their_size() {
     let mut design = small_towel();
     (design.sheet.warps, design.sheet.wefts) = (256, 64);
     design.weave.pattern = Pattern::from_fn(32, 2, |i, _| if i < 16 { 7 } else { 0 });
-    for (halvings, first) in [(0, 0), (0, 5), (1, 3), (2, 8), (3, 1)] {
-        let excerpt = Excerpt {
+    for (lod, first) in [(0, 0), (0, 5), (1, 3), (2, 8), (3, 1)] {
+        let region = LodRegion {
             first: [first, 0],
             cells: [24, 8],
-            ..halved(&design, halvings)
+            ..at_lod(&design, lod)
         };
-        let scene = compiled(&design, excerpt);
+        let scene = compiled(&design, region);
         for i in 0..24 {
-            let middle = ((first + i) << halvings) + (1 << halvings) / 2;
+            let middle = ((first + i) << lod) + (1 << lod) / 2;
             let expected = middle % 32 < 16;
             let stands = scene
                 .loops
                 .loop_at([i, 3], renderer_core::scene::Face::Front)
                 .is_some();
-            assert_eq!(stands, expected, "halved {halvings} times, warp {i}");
+            assert_eq!(stands, expected, "LOD {lod}, warp {i}");
         }
     }
 }

@@ -8,18 +8,18 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::{Camera, Settings};
+use super::Settings;
 use crate::design::Design;
-use crate::geometry::{Interval, Ray, clip_to_box};
+use crate::geometry::{Camera, Interval, Ray, clip_to_box};
 use crate::sampling::{self, Set};
-use crate::scene::{AreaLight, Lights, PileReach, SeenCells, SunLight};
+use crate::scene::{AreaLight, Lights, PileReach, SunLight, VisibleCells};
 
 /// Allowance for rounding, and for rays that start a little off a surface, mm.
 const SLACK_MM: f64 = 0.01;
 
 /// A coarse picture of level cloth: the first sample of some pixels. Which cells bent cloth shows is not told so quickly.
 #[derive(Debug, Clone, Copy)]
-pub struct FirstLook<'a> {
+pub struct CoarsePreview<'a> {
     /// The cloth.
     pub design: &'a Design,
     /// From where.
@@ -34,11 +34,11 @@ pub struct FirstLook<'a> {
     pub around_mm: f64,
 }
 
-impl FirstLook<'_> {
+impl CoarsePreview<'_> {
     /// The cells that it depends on.
-    pub fn cells(&self) -> SeenCells {
+    pub fn cells(&self) -> VisibleCells {
         let reach = PileReach::of(self.design);
-        let none = SeenCells::none(&reach);
+        let none = VisibleCells::none(&reach);
         let lights = Lights::new(&self.design.light);
         let suns = lights.suns.iter().map(Shadow::of_sun);
         let areas = lights.areas.iter().map(Shadow::of_area);
@@ -66,7 +66,7 @@ impl FirstLook<'_> {
         seen
     }
 
-    fn see_row(&self, row: u32, shadows: &[Shadow], seen: &mut SeenCells) {
+    fn see_row(&self, row: u32, shadows: &[Shadow], seen: &mut VisibleCells) {
         let [low, high] = seen.bounds_mm().map(DVec3::from_array);
         let mut corners = Vec::new();
         for column in (0..self.size[0]).step_by(self.stride as usize) {
@@ -188,7 +188,7 @@ impl Shadow {
 }
 
 /// Adds the cells under the smallest convex polygon that holds all `corners`.
-fn insert(seen: &mut SeenCells, corners: &[DVec2]) {
+fn insert(seen: &mut VisibleCells, corners: &[DVec2]) {
     let lowest = corners.iter().fold(f64::INFINITY, |y, c| y.min(c.y)) - SLACK_MM;
     let highest = corners.iter().fold(f64::NEG_INFINITY, |y, c| y.max(c.y)) + SLACK_MM;
     for j in seen.wefts_between(lowest, highest) {

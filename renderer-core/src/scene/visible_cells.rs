@@ -1,4 +1,4 @@
-//! Scenes for a first look: which cells some rays pass, and how far loops can reach into them. mm, and cells of the sheet.
+//! Scenes for a coarse preview: which cells some rays pass, and how far loops can reach into them. mm, and cells of the sheet.
 
 use std::ops::RangeInclusive;
 
@@ -116,13 +116,13 @@ impl PileReach {
 
 /// Cells, on the sheet and beside it, in which the cloth must be as in its whole scene.
 #[derive(Debug, Clone, PartialEq)]
-pub struct SeenCells {
+pub struct VisibleCells {
     reach: PileReach,
     margin: [i64; 2],
     cells: CellSet,
 }
 
-impl SeenCells {
+impl VisibleCells {
     /// None, among those that loops can reach.
     pub fn none(reach: &PileReach) -> Self {
         let margin = reach.margin();

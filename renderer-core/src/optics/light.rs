@@ -9,15 +9,15 @@ use crate::scene::{AreaLight, Lights, SunLight};
 
 /// One of them.
 #[derive(Debug, Clone, Copy)]
-pub enum Lamp<'a> {
+pub enum Light<'a> {
     /// Parallel light but for the width of its disc.
     Sun(&'a SunLight),
     /// A rectangle that shines on one side, equally to all of it.
     Area(&'a AreaLight),
 }
 
-impl<'a> Lamp<'a> {
-    /// Lamp `number` of all, suns first, and which numbers draw its light at scattering `bounce`.
+impl<'a> Light<'a> {
+    /// Light `number` of all, suns first, and which numbers draw its light at scattering `bounce`.
     #[inline(always)]
     pub fn of(lights: &'a Lights, number: usize, bounce: u32) -> Option<(Self, Set)> {
         if let Some(light) = lights.suns.get(number) {
@@ -64,7 +64,7 @@ impl<'a> Lamp<'a> {
 impl Lights {
     /// How many suns and area lights there are.
     #[inline(always)]
-    pub fn lamps(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.suns.len() + self.areas.len()
     }
 }

@@ -4,7 +4,7 @@
 use renderer_core::design::{Design, Method, Pattern};
 use renderer_core::gpu::GpuBackend;
 use renderer_core::image::Picture;
-use renderer_core::render::{Backend, Counters, RenderRequest, Skip};
+use renderer_core::render::{Backend, Counters, Optimisation, RenderRequest};
 
 use crate::support::compare::same_means;
 use crate::support::device::{finish, gpu, repeats};
@@ -22,11 +22,11 @@ fn draw(gpu: &mut GpuBackend, request: &RenderRequest) -> (Picture, Counters) {
 }
 
 /// Pictures and counters with the skip and without.
-fn both(gpu: &mut GpuBackend, design: &Design, skip: Skip) -> [(Picture, Counters); 2] {
+fn both(gpu: &mut GpuBackend, design: &Design, skip: Optimisation) -> [(Picture, Counters); 2] {
     let mut request = request(design, [48, 40]);
     request.settings.counters = true;
     let on = draw(gpu, &request);
-    request.settings.skips = request.settings.skips.without(skip);
+    request.settings.optimisations = request.settings.optimisations.without(skip);
     [on, draw(gpu, &request)]
 }
 
@@ -54,7 +54,7 @@ fn ground_that_pile_hides_is_not_looked_for() {
         let mut hidden = Vec::new();
         for mut design in designs() {
             design.quality.method = method;
-            let [(on, some), (off, none)] = both(&mut gpu, &design, Skip::HiddenGround);
+            let [(on, some), (off, none)] = both(&mut gpu, &design, Optimisation::HiddenGround);
             assert_eq!(on, off, "{}", method.name());
             assert_eq!(none.hidden_rays, 0);
             assert!(some.hidden_rays <= some.rays);
@@ -74,7 +74,7 @@ fn shadow_rays_end_in_the_dark() {
         let mut design = load_design(&preset_path("paper-fig12"));
         (design.quality.method, design.quality.bounces) = (method, 1);
         design.quality.samples = 2;
-        let [(on, some), (off, none)] = both(&mut gpu, &design, Skip::OpaqueRays);
+        let [(on, some), (off, none)] = both(&mut gpu, &design, Optimisation::OpaqueRays);
         eprintln!("{}: {some:?} without {none:?}", method.name());
         assert!(some.ended_rays > some.shadow_rays / 20, "{some:?}");
         assert!(none.ended_rays == 0 && none.volume_samples > some.volume_samples);
@@ -82,7 +82,10 @@ fn shadow_rays_end_in_the_dark() {
             // Other random numbers: the same expectation.
             let mut request = request(&design, [24, 24]);
             let on = repeats(&mut gpu, &request, 100);
-            request.settings.skips = request.settings.skips.without(Skip::OpaqueRays);
+            request.settings.optimisations = request
+                .settings
+                .optimisations
+                .without(Optimisation::OpaqueRays);
             let off = repeats(&mut gpu, &request, 900);
             same_means(&on, &off).unwrap();
             continue;

@@ -3,10 +3,12 @@
 use std::sync::Arc;
 
 use renderer_core::design::{AreaLight, CameraDesign, Design, Method, Sun};
+use renderer_core::geometry::Camera;
 use renderer_core::reference::{Scratch, Tracer};
 use renderer_core::render::accumulation::Sample;
-use renderer_core::render::{Camera, FirstLook, Levels, RenderRequest, Settings};
-use renderer_core::scene::{Compiler, Scene, SeenScene};
+use renderer_core::render::{CoarsePreview, RenderRequest, Settings};
+use renderer_core::scene::lod::LodView;
+use renderer_core::scene::{Compiler, PreviewScene, Scene};
 
 use crate::support::scenes::small_towel;
 
@@ -24,9 +26,7 @@ fn towel() -> Design {
 /// The coarse picture: the first sample of every 16th pixel of every 16th row.
 fn coarse(scene: &Arc<Scene>, design: &Design, camera: &Camera, size: [u32; 2]) -> Vec<Sample> {
     let request = RenderRequest {
-        scene: Arc::clone(scene),
-        camera: *camera,
-        levels: Levels::default(),
+        view: LodView::of(Arc::clone(scene), *camera),
         size,
         crop: [0, 0, size[0], size[1]],
         settings: Settings::from(&design.quality),
@@ -48,7 +48,7 @@ fn both(
 ) -> ([Vec<Sample>; 2], f64) {
     let camera = Camera::from_design(camera);
     let settings = Settings::from(&design.quality);
-    let seen = FirstLook {
+    let seen = CoarsePreview {
         design,
         camera: &camera,
         size,
@@ -58,8 +58,8 @@ fn both(
     }
     .cells();
     let mut compiler = Compiler::default();
-    let SeenScene::Part(part) = compiler
-        .compile_seen(design, &seen, &renderer_core::scene::Cancel::never())
+    let PreviewScene::Part(part) = compiler
+        .compile_visible(design, &seen, &renderer_core::scene::Cancel::never())
         .unwrap()
     else {
         panic!("there was no scene before");
@@ -187,7 +187,7 @@ fn lights_are_followed(design: &Design) {
     let mut dark = design.clone();
     dark.quality.shadows = false;
     let camera = Camera::from_design(&camera);
-    let seen = FirstLook {
+    let seen = CoarsePreview {
         design: &dark,
         camera: &camera,
         size: [640, 480],
@@ -197,8 +197,8 @@ fn lights_are_followed(design: &Design) {
     }
     .cells();
     let made =
-        Compiler::default().compile_seen(design, &seen, &renderer_core::scene::Cancel::never());
-    let SeenScene::Part(bare) = made.unwrap() else {
+        Compiler::default().compile_visible(design, &seen, &renderer_core::scene::Cancel::never());
+    let PreviewScene::Part(bare) = made.unwrap() else {
         panic!("there was no scene before");
     };
     assert!(coarse(&bare, design, &camera, [640, 480]) != whole);
@@ -210,7 +210,7 @@ fn what_a_first_look_made_is_kept_and_a_scene_that_is_there_is_taken() {
     let camera = Camera::from_design(&cameras()[1].1);
     let settings = Settings::from(&design.quality);
     let look = |design: &Design| {
-        FirstLook {
+        CoarsePreview {
             design,
             camera: &camera,
             size: [640, 480],
@@ -226,8 +226,8 @@ fn what_a_first_look_made_is_kept_and_a_scene_that_is_there_is_taken() {
     // Nothing that loops follow from has changed.
     let mut edited = design.clone();
     edited.light.background.0 = [1, 2, 3];
-    let SeenScene::Whole(scene) = compiler
-        .compile_seen(&edited, &look(&edited), &never)
+    let PreviewScene::Whole(scene) = compiler
+        .compile_visible(&edited, &look(&edited), &never)
         .unwrap()
     else {
         panic!("all loops were there");
@@ -236,8 +236,8 @@ fn what_a_first_look_made_is_kept_and_a_scene_that_is_there_is_taken() {
 
     edited.pile.lean_x += 5.0;
     edited.pile.plies += 1;
-    let SeenScene::Part(part) = compiler
-        .compile_seen(&edited, &look(&edited), &never)
+    let PreviewScene::Part(part) = compiler
+        .compile_visible(&edited, &look(&edited), &never)
         .unwrap()
     else {
         panic!("the loops have changed");

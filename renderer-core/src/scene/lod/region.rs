@@ -1,65 +1,65 @@
-//! Excerpts: the part of a large cloth that one picture shows, made as fine as the picture shows it. So cloth has no end, and a
+//! LOD regions: the part of a large cloth that one picture shows, made as fine as the picture shows it. So cloth has no end, and a
 //! scene is as large as its picture, not as the cloth.
 //!
-//! A cloth seen from far away is drawn *halved*, `n` times: with as many loops fewer along each side, each the copy of a real one
+//! A cloth seen from far away is drawn at LOD n: with 2ⁿ times fewer loops along each side, each the copy of a real one
 //! out of its 2ⁿ × 2ⁿ neighbours, in the mean of their colours, and 2ⁿ times as large in every direction. Light goes through pile
 //! that is grown evenly as it goes through the pile itself, since extinction times length stays what it is: the mean radiance of a
 //! pixel that covers many loops is the same from every side and under every light, which it is not if densities are averaged (what
 //! passes between two loops does not pass through their mean). What changes is the texture below a pixel, and the noise that is
 //! left of it; and light that is lost between loops of unlike colours is not lost where these are mixed.
-//! In place of growing the loops, the world shrinks: the excerpt's scene has the cloth's own loops, volumes and ground weave, and
+//! In place of growing the loops, the world shrinks: the region's scene has the cloth's own loops, volumes and ground weave, and
 //! its camera stands 2ⁿ times as near.
 //!
 //! Level cloth only. Lengths in mm.
 
 use glam::DVec3;
 
-use super::SheetGeometry;
 use crate::design::{Design, Pattern};
-use crate::render::{Camera, Projection};
+use crate::geometry::{Camera, Projection};
 use crate::sampling::hash_with;
+use crate::scene::SheetGeometry;
 
-/// Shortest waves of the texture of halved cloth, in its loops, that keep their size in the cloth: some pixels.
+/// Shortest waves of the texture of cloth at LOD 1 and beyond, in its loops, that keep their size in the cloth: some pixels.
 const SEEN_WAVE: f64 = 16.0;
 
 /// Height of the tips of the pile, as a share of its length: it leans. Views along the cloth see little else of it, and levels
 /// whose tips lie elsewhere would draw twice what a chart draws, side by side.
 const TIPS: f64 = 0.8;
 
-/// Cells along each side, out of all that a cell of halved cloth covers, whose colours are mixed.
+/// Cells along each side, out of all that a cell at some LOD covers, whose colours are mixed.
 pub const SPREAD: u32 = 4;
 
-/// A rectangle of the cells of a cloth that is halved some times.
+/// A rectangle of the cells of a cloth at one level of detail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Excerpt {
-    /// Warps and wefts of the whole cloth, before it is halved.
+pub struct LodRegion {
+    /// Warps and wefts of the whole cloth at LOD 0.
     pub whole: [u32; 2],
-    /// How many times it is halved.
-    pub halvings: u32,
-    /// First warp and weft of the excerpt, counted in the halved cloth.
+    /// LOD n: each of its loops stands for 2ⁿ × 2ⁿ.
+    pub lod: u32,
+    /// First warp and weft of the region, counted at this LOD.
     pub first: [u32; 2],
     /// How many warps and wefts it has.
     pub cells: [u32; 2],
 }
 
-impl Excerpt {
+impl LodRegion {
     /// Cells that a cloth may have to be made whole, so that no camera asks for another scene.
     pub const WHOLE_CELLS: f64 = 4e6;
 
-    /// Whether cloth is made in excerpts.
+    /// Whether cloth is made in regions.
     pub fn is_needed(design: &Design) -> bool {
         let [warps, wefts] = [design.sheet.warps, design.sheet.wefts].map(f64::from);
         warps * wefts > Self::WHOLE_CELLS && design.has_parts()
     }
 
-    /// Warps and wefts of a cloth after some halvings; what cannot be halved is rounded up.
-    pub fn halved(whole: [u32; 2], halvings: u32) -> [u32; 2] {
-        whole.map(|cells| cells.div_ceil(1 << halvings))
+    /// Warps and wefts of a cloth at some LOD; what cannot be halved is rounded up.
+    pub fn cells_at(whole: [u32; 2], lod: u32) -> [u32; 2] {
+        whole.map(|cells| cells.div_ceil(1 << lod))
     }
 
-    /// Size of the excerpt's world in that of the cloth: 2⁻ⁿ.
+    /// Size of the region's world in that of the cloth: 2⁻ⁿ.
     pub fn scale(&self) -> f64 {
-        0.5_f64.powi(self.halvings as i32)
+        0.5_f64.powi(self.lod as i32)
     }
 
     /// Number of cells.
@@ -72,26 +72,26 @@ impl Excerpt {
         self.len() == 0
     }
 
-    /// Whether it has all cells of another, as often halved.
+    /// Whether it has all cells of another at the same LOD.
     pub fn holds(&self, other: &Self) -> bool {
-        (self.whole, self.halvings) == (other.whole, other.halvings)
+        (self.whole, self.lod) == (other.whole, other.lod)
             && [0, 1].iter().all(|&axis| {
                 self.first[axis] <= other.first[axis]
                     && self.first[axis] + self.cells[axis] >= other.first[axis] + other.cells[axis]
             })
     }
 
-    /// The cell of the whole cloth whose loops stand in cell (i, j) of the excerpt: one of those that it covers, by chance, so
+    /// The cell of the whole cloth whose loops stand in cell (i, j) of the region: one of those that it covers, by chance, so
     /// that lengths and kinds keep their shares.
     pub fn original(&self, i: usize, j: usize) -> [usize; 2] {
-        let (hash, side) = (self.hash(i, j), 1_u32 << self.halvings);
+        let (hash, side) = (self.hash(i, j), 1_u32 << self.lod);
         self.within(i, j, [0, 1].map(|axis| hash_with(hash, axis) & (side - 1)))
     }
 
     /// Cells of the whole cloth spread over all those that cell (i, j) covers: all of them, or one out of each of
     /// sixteen equal parts.
     pub fn spread_originals(&self, i: usize, j: usize) -> impl Iterator<Item = [usize; 2]> {
-        let (hash, side) = (self.hash(i, j), 1_u32 << self.halvings);
+        let (hash, side) = (self.hash(i, j), 1_u32 << self.lod);
         let parts = side.min(SPREAD);
         let part_side = side / parts;
         (0..parts * parts).map(move |part| {
@@ -107,21 +107,21 @@ impl Excerpt {
     /// Random bits of a cell.
     fn hash(&self, i: usize, j: usize) -> u32 {
         let [x, y] = [self.first[0] + i as u32, self.first[1] + j as u32];
-        hash_with(hash_with(hash_with(self.halvings, 0xe7), x), y)
+        hash_with(hash_with(hash_with(self.lod, 0xe7), x), y)
     }
 
     /// The cell at a place among those that cell (i, j) covers.
     fn within(&self, i: usize, j: usize, place: [u32; 2]) -> [usize; 2] {
-        let halved = [self.first[0] as usize + i, self.first[1] as usize + j];
+        let cell_at_lod = [self.first[0] as usize + i, self.first[1] as usize + j];
         [0, 1].map(|axis| {
-            let cell = (halved[axis] << self.halvings) + place[axis] as usize;
+            let cell = (cell_at_lod[axis] << self.lod) + place[axis] as usize;
             cell.min(self.whole[axis] as usize - 1)
         })
     }
 
-    /// The design of the excerpt: what is told of cloth, and not of yarn, shrinks with the world. Chart and nap map stay
-    /// those of the whole cloth: their cells are [`Self::original`]. Area lights are moved by [`Self::excerpt_from_world`].
-    pub(super) fn design(&self, whole: &Design) -> Design {
+    /// The design of the region: what is told of cloth, and not of yarn, shrinks with the world. Chart and nap map stay
+    /// those of the whole cloth: their cells are [`Self::original`]. Area lights are moved by [`Self::region_from_world`].
+    pub(in crate::scene) fn design(&self, whole: &Design) -> Design {
         let mut design = whole.clone();
         [design.sheet.warps, design.sheet.wefts] = self.cells;
         design.weave.pattern = self.pattern(&whole.weave.pattern);
@@ -139,10 +139,10 @@ impl Excerpt {
         (mm * self.scale()).max(mm.min(SEEN_WAVE * pitch))
     }
 
-    /// The stitch pattern as it begins at the excerpt's first cell. Repeats that a cell of the halved cloth covers are drawn as
+    /// The stitch pattern as it begins at the region's first cell. Repeats that a cell at this LOD covers are drawn as
     /// large as the loops; of larger ones every 2ⁿth stitch is left, so that what the pattern draws keeps its size.
     fn pattern(&self, whole: &Pattern) -> Pattern {
-        let side = 1_usize << self.halvings;
+        let side = 1_usize << self.lod;
         let period = |repeat: usize| {
             if repeat <= 2 * side {
                 (repeat, 1)
@@ -159,8 +159,8 @@ impl Excerpt {
         })
     }
 
-    /// Where the excerpt's world has a point of the cloth's: a similarity that keeps the height `still_mm`.
-    pub fn excerpt_from_world(&self, design: &Design, point: DVec3, still_mm: f64) -> DVec3 {
+    /// Where the region's world has a point of the cloth's: a similarity that keeps the height `still_mm`.
+    pub fn region_from_world(&self, design: &Design, point: DVec3, still_mm: f64) -> DVec3 {
         let pitch = [design.sheet.pitch_x(), design.sheet.pitch_y()];
         let of_axis = |axis: usize| {
             let from_low = point[axis] + 0.5 * f64::from(self.whole[axis]) * pitch[axis];
@@ -171,11 +171,11 @@ impl Excerpt {
         DVec3::new(of_axis(0), of_axis(1), z)
     }
 
-    /// The camera that sees in the excerpt's scene what `camera` sees of the cloth. The tips of the pile on its side of the cloth
+    /// The camera that sees in the region's scene what `camera` sees of the cloth. The tips of the pile on its side of the cloth
     /// stay where they are in the picture.
     pub fn camera(&self, design: &Design, camera: &Camera) -> Camera {
         let tips_mm = TIPS * design.length.longest().min(design.pile.max_length);
-        let eye = self.excerpt_from_world(design, camera.eye, tips_mm.copysign(camera.eye.z));
+        let eye = self.region_from_world(design, camera.eye, tips_mm.copysign(camera.eye.z));
         let projection = match camera.projection {
             Projection::Orthographic { height_mm } => Projection::Orthographic {
                 height_mm: height_mm * self.scale(),
@@ -195,28 +195,28 @@ fn common_divisor(a: usize, b: usize) -> usize {
 }
 
 impl SheetGeometry {
-    /// Warps and wefts of the cloth that this sheet is an excerpt of, or its own.
+    /// Warps and wefts of the cloth that this sheet is a region of, or its own.
     pub fn whole_cells(&self) -> [u32; 2] {
-        self.excerpt
-            .map_or([self.warps, self.wefts], |excerpt| excerpt.whole)
+        self.region
+            .map_or([self.warps, self.wefts], |region| region.whole)
     }
 
     /// Lengths in that cloth's world as a multiple of those in this sheet's.
     pub fn cloth_scale(&self) -> f64 {
-        self.excerpt.map_or(1.0, |excerpt| 1.0 / excerpt.scale())
+        self.region.map_or(1.0, |region| 1.0 / region.scale())
     }
 
     /// The cell of the whole cloth whose loops stand in a cell.
     pub fn original(&self, i: usize, j: usize) -> [usize; 2] {
-        match &self.excerpt {
-            Some(excerpt) => excerpt.original(i, j),
+        match &self.region {
+            Some(region) => region.original(i, j),
             None => [i, j],
         }
     }
 
-    /// From the low corner of the cloth, halved as this excerpt is, to the middle of a cell, mm.
-    pub(super) fn place_mm(&self, i: usize, j: usize) -> [f64; 2] {
-        let [x, y] = self.excerpt.map_or([0; 2], |excerpt| excerpt.first);
+    /// From the low corner of the cloth, at this LOD, to the middle of a cell, mm.
+    pub(in crate::scene) fn place_mm(&self, i: usize, j: usize) -> [f64; 2] {
+        let [x, y] = self.region.map_or([0; 2], |region| region.first);
         [
             (f64::from(x) + i as f64 + 0.5) * self.pitch_x_mm,
             (f64::from(y) + j as f64 + 0.5) * self.pitch_y_mm,

@@ -1,0 +1,179 @@
+//! From a design to what a picture of it is made from: the scenes of its levels of detail, and the camera in the space of each.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::{Level, LevelRows, Levels, LodBudget, LodPlan, LodRegion, LodSelector};
+use crate::design::Design;
+use crate::geometry::Camera;
+use crate::scene::{Cancel, CompileError, CompileReport, Compiler, LoopCounts, Scene};
+
+/// The cloth as one camera sees it, level by level.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LodView {
+    /// From near to far.
+    pub levels: Levels<Level>,
+    /// How fine the rows of the picture need the cloth.
+    pub selector: LodSelector,
+}
+
+/// A cloth made for a picture, level by level.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LodCloth {
+    /// What was to be made.
+    pub plan: LodPlan,
+    /// The whole cloth, or one scene for each of the plan's regions.
+    pub scenes: Levels<Arc<Scene>>,
+}
+
+impl LodCloth {
+    /// Loops of all levels.
+    pub fn counts(&self) -> LoopCounts {
+        let counts = self.scenes.iter().map(|scene| scene.loops.counts);
+        counts.fold(LoopCounts::default(), LoopCounts::plus)
+    }
+
+    /// What a camera sees of it in a picture of `size` pixels.
+    pub fn view(&self, design: &Design, camera: &Camera, size: [u32; 2]) -> LodView {
+        LodView {
+            levels: self.scenes.map(|scene| Level {
+                scene: Arc::clone(scene),
+                camera: match &scene.sheet.region {
+                    Some(region) => region.camera(design, camera),
+                    None => *camera,
+                },
+            }),
+            selector: self.plan.selector(design, camera, size),
+        }
+    }
+}
+
+/// Makes cloth for one picture after another and keeps what did not change: a compiler for the whole cloth and one for each level
+/// of detail.
+#[derive(Debug, Default)]
+pub struct LodCompiler {
+    whole: Compiler,
+    by_lod: BTreeMap<u32, Compiler>,
+}
+
+impl LodCompiler {
+    /// Leaves out what such a compiler leaves out.
+    pub fn new(compiler: Compiler) -> Self {
+        Self {
+            whole: compiler,
+            by_lod: BTreeMap::new(),
+        }
+    }
+
+    /// The compiler of whole cloth.
+    pub fn whole(&mut self) -> &mut Compiler {
+        &mut self.whole
+    }
+
+    /// Whether all loops that a plan names of a design are there already.
+    pub fn has_loops_of(&mut self, design: &Design, plan: &LodPlan) -> bool {
+        if plan.regions.is_empty() {
+            return self.whole.has_loops_of(design, None);
+        }
+        plan.regions.iter().all(|region| {
+            let compiler = self.by_lod.get_mut(&region.lod);
+            compiler.is_some_and(|compiler| compiler.has_loops_of(design, Some(*region)))
+        })
+    }
+
+    /// What was done for the cloth made last, all levels together.
+    pub fn last_report(&self) -> CompileReport {
+        let mut reports = self.by_lod.values().map(Compiler::last_report);
+        match reports.next() {
+            Some(first) => reports.fold(*first, |sum, report| sum.plus(report)),
+            None => *self.whole.last_report(),
+        }
+    }
+
+    /// Makes what a plan names of a design.
+    ///
+    /// # Errors
+    /// As [`Compiler::compile_unless_cancelled`].
+    pub fn make(
+        &mut self,
+        design: &Design,
+        plan: LodPlan,
+        cancel: &Cancel<'_>,
+    ) -> Result<LodCloth, CompileError> {
+        self.by_lod.retain(|lod, _| {
+            let mut planned = plan.regions.iter();
+            planned.any(|region| region.lod == *lod)
+        });
+        let scenes = match plan.regions.split_first() {
+            None => Levels::one(self.whole.compile_unless_cancelled(design, cancel)?),
+            Some((first, others)) => {
+                let mut compile = |region: &LodRegion| self.compile_region(design, *region, cancel);
+                Levels {
+                    nearest: compile(first)?,
+                    farther: others.iter().map(compile).collect::<Result<_, _>>()?,
+                }
+            }
+        };
+        Ok(LodCloth { plan, scenes })
+    }
+
+    fn compile_region(
+        &mut self,
+        design: &Design,
+        region: LodRegion,
+        cancel: &Cancel<'_>,
+    ) -> Result<Arc<Scene>, CompileError> {
+        let Self { whole, by_lod } = self;
+        let compiler = by_lod.entry(region.lod);
+        let compiler = compiler.or_insert_with(|| whole.fresh());
+        // Volumes are those of the cloth's yarns, whatever part of it is made.
+        compiler.share_volumes(whole);
+        let made = compiler.compile_region(design, region, cancel);
+        whole.share_volumes(compiler);
+        made
+    }
+}
+
+impl LodView {
+    /// A single scene, in which all rows are drawn.
+    pub fn of(scene: Arc<Scene>, camera: Camera) -> Self {
+        Self::of_level(Level { scene, camera })
+    }
+
+    /// A single level, in which all rows are drawn.
+    pub fn of_level(level: Level) -> Self {
+        Self {
+            levels: Levels::one(level),
+            selector: LodSelector::default(),
+        }
+    }
+
+    /// Makes what a picture of `size` pixels shows.
+    ///
+    /// # Errors
+    /// As [`Compiler::compile_unless_cancelled`].
+    pub fn new(
+        compiler: &mut LodCompiler,
+        design: &Design,
+        camera: &Camera,
+        size: [u32; 2],
+        budget: LodBudget,
+        cancel: &Cancel<'_>,
+    ) -> Result<Self, CompileError> {
+        let plan = LodPlan::new(design, camera, size, budget, None);
+        let cloth = compiler.make(design, plan, cancel)?;
+        Ok(cloth.view(design, camera, size))
+    }
+
+    /// Which levels the rows of a whole picture `height` pixels high show.
+    pub fn rows(&self, height: u32) -> LevelRows {
+        self.selector.rows(self.levels.len(), height)
+    }
+
+    /// The level that most samples of a row of a picture `height` pixels high show.
+    pub fn at_row(&self, row: u32, height: u32) -> &Level {
+        let (level, share_of_next) = self.rows(height).of_row(row);
+        let number = level + usize::from(share_of_next > 0.5);
+        self.levels.get(number).unwrap_or(&self.levels.nearest)
+    }
+}

@@ -286,8 +286,8 @@ fn the_gpu_draws_on_the_windows_own_device() {
     });
     harness.run_steps(2);
     click(&mut harness, "Toolbar: Fit");
-    // The first small picture is enough: software Vulkan takes its time for large ones. What the processor has finished
-    // before the device had compiled stays the processor's; then another picture is asked for.
+    // The first picture of reduced size is enough: software Vulkan takes its time for large ones. What the processor has
+    // finished before the device had compiled stays the processor's; then another picture is asked for.
     let is_drawn = |h: &Harness<'_, App>| {
         let state = h.state().viewport().state();
         assert_eq!(state.error, None);

@@ -24,7 +24,7 @@ fn options() -> SnapshotOptions {
         .max_failed_pixels(0)
         .output_path(concat!(
             env!("CARGO_MANIFEST_DIR"),
-            "/../tests/suite/designer/looks"
+            "/../tests/app/designer/looks"
         ))
 }
 

@@ -651,7 +651,7 @@ fn an_edit_of_many_loops_is_seen_before_all_of_them_are_made() {
         "{begun:?}"
     );
 
-    // Loops that are there are not made again for a first look.
+    // Loops that are there are not made again for a coarse preview.
     open_panel(&mut harness, "View & quality");
     let (begun, all) = edit(&mut harness, "Bounces", "5");
     assert!(begun.iter().all(|&(_, loops)| loops == all), "{begun:?}");

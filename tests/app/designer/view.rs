@@ -506,15 +506,15 @@ fn cloth_without_end_is_made_where_one_looks() {
     for _ in 0..3 {
         by(&mut harness, vec2(-300.0, 0.0));
     }
-    let was_glimpsed = std::cell::Cell::new(false);
+    let was_previewed = std::cell::Cell::new(false);
     wait(&mut harness, "the cloth there", |h| {
         let state = h.state().viewport().state();
         if state.picture.is_reduced && region(h) == Some(far) {
-            was_glimpsed.set(true);
+            was_previewed.set(true);
         }
         region(h) != Some(far)
     });
-    assert!(was_glimpsed.get());
+    assert!(was_previewed.get());
 }
 
 #[test]

@@ -36,7 +36,6 @@ use super::shell::help;
 use super::viewport::Viewport;
 use super::widgets::style;
 use filing::Filing;
-use window::WindowState;
 
 /// The designer.
 pub struct App {
@@ -49,6 +48,17 @@ pub struct App {
     export: Export,
     shell: Shell,
     window: WindowState,
+}
+
+/// The window itself, beside what it shows.
+#[derive(Default)]
+struct WindowState {
+    /// The title that it was given last.
+    title: String,
+    /// Whether it is about to close.
+    is_quitting: bool,
+    /// Where it leaves its document if it is lost.
+    handoff: WindowHandoff,
 }
 
 impl App {

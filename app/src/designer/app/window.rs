@@ -8,19 +8,6 @@ use egui::ViewportCommand;
 use renderer_core::gpu::wanted_features;
 use renderer_core::render::MAX_SIDE;
 
-use super::window_handoff::WindowHandoff;
-
-/// The window itself, beside what it shows.
-#[derive(Default)]
-pub struct WindowState {
-    /// The title that it was given last.
-    pub title: String,
-    /// Whether it is about to close.
-    pub is_quitting: bool,
-    /// Where it leaves its document if it is lost.
-    pub handoff: WindowHandoff,
-}
-
 /// Opens a window of the designer's size with what `create` makes, and returns when it is closed.
 ///
 /// # Errors

@@ -1,18 +1,16 @@
 //! The bars of the chart editor: tools and colours, changes of the whole chart, and what is under the pointer.
 
-use std::ops::Range;
-
 use egui::{
-    Align, Button, ComboBox, Context, DragValue, Layout, Panel, Popup, PopupCloseBehavior,
-    RichText, Stroke, Ui, vec2,
+    Align, Button, ComboBox, DragValue, Layout, Panel, Popup, PopupCloseBehavior, RichText, Stroke,
+    Ui, vec2,
 };
 use renderer_core::design::chart_edit::{
-    BARE, LARGEST_BRUSH, Resampling, YarnCounts, crop, flip_x, flip_y, resize, rotate_right,
+    BARE, LARGEST_BRUSH, Resampling, YarnCounts, flip_x, flip_y, resize, rotate_right,
 };
 use renderer_core::design::{Chart, ChartImage, Colour, Fit, Sheet};
 use renderer_core::scene::ChartOnSheet;
 
-use super::canvas::{ZOOM_STEP, colour_at};
+use super::canvas::{ZOOM_STEP, colour_at, crop_marked, marked_part};
 use super::work::put;
 use super::yarn_name::yarn_name;
 use super::{ChartEditor, Tool};
@@ -323,26 +321,6 @@ fn crop_row(ui: &mut Ui, editor: &mut ChartEditor, image: &ChartImage) {
             editor.canvas.marked = None;
         }
     });
-}
-
-/// Columns and rows between two corners, as far as there are some.
-fn marked_part([a, b]: [[i32; 2]; 2], image: &ChartImage) -> [Range<usize>; 2] {
-    let span = |k: usize, side: usize| {
-        let (low, high) = (a[k].min(b[k]), a[k].max(b[k]) + 1);
-        (low.max(0) as usize).min(side)..(high.max(0) as usize).min(side)
-    };
-    [span(0, image.width()), span(1, image.height())]
-}
-
-/// Cuts off what is not marked.
-pub fn crop_marked(ctx: &Context, editor: &mut ChartEditor, image: &ChartImage) {
-    let Some(marked) = editor.canvas.marked.take() else {
-        return;
-    };
-    editor.canvas.reset();
-    let [xs, ys] = marked_part(marked, image);
-    let work = move |image: &ChartImage| crop(image, xs, ys);
-    editor.work.start(ctx, "crop chart", image, work);
 }
 
 /// The bar below the canvas: pixel and crossing under the pointer, grid and zoom.

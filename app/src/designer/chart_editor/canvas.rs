@@ -1,15 +1,19 @@
 //! The canvas of the chart editor: where the chart lies, gestures by pointer and keys, and what is drawn over it.
 
+use std::ops::Range;
+
 use egui::{
-    Color32, CursorIcon, EventFilter, Key, PointerButton, Pos2, Rect, Response, Role, Sense,
-    Stroke, StrokeKind, Ui, Vec2, WidgetInfo, pos2, vec2,
+    Color32, Context, CursorIcon, EventFilter, Key, PointerButton, Pos2, Rect, Response, Role,
+    Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
-use renderer_core::design::chart_edit::{LARGEST_BRUSH, draw_line, outline_rectangle, yarn_of};
+use renderer_core::design::chart_edit::{
+    LARGEST_BRUSH, crop, draw_line, outline_rectangle, yarn_of,
+};
 use renderer_core::design::{Chart, ChartImage, Fit, Sheet};
 
 use super::pyramid::{Placement, Pyramid};
 use super::work::put;
-use super::{ChartEditor, Tool, bars};
+use super::{ChartEditor, Tool};
 use crate::designer::widgets::PointerWay;
 use crate::designer::widgets::shapes::{connected, squared, straightened};
 use crate::designer::widgets::style;
@@ -126,6 +130,26 @@ pub fn colour_at(chart: &Chart, place: [i32; 2]) -> Option<String> {
         [r, g, b, 255] => format!("#{r:02x}{g:02x}{b:02x}"),
         _ => "bare".into(),
     })
+}
+
+/// Columns and rows between two corners, as far as there are some.
+pub fn marked_part([a, b]: [[i32; 2]; 2], image: &ChartImage) -> [Range<usize>; 2] {
+    let span = |k: usize, side: usize| {
+        let (low, high) = (a[k].min(b[k]), a[k].max(b[k]) + 1);
+        (low.max(0) as usize).min(side)..(high.max(0) as usize).min(side)
+    };
+    [span(0, image.width()), span(1, image.height())]
+}
+
+/// Cuts off what is not marked.
+pub fn crop_marked(ctx: &Context, editor: &mut ChartEditor, image: &ChartImage) {
+    let Some(marked) = editor.canvas.marked.take() else {
+        return;
+    };
+    editor.canvas.reset();
+    let [xs, ys] = marked_part(marked, image);
+    let work = move |image: &ChartImage| crop(image, xs, ys);
+    editor.work.start(ctx, "crop chart", image, work);
 }
 
 /// Pans and zooms. Returns whether the view has moved.
@@ -246,7 +270,7 @@ fn keyboard(ui: &Ui, editor: &mut ChartEditor, response: &Response, chart: &mut 
     }
     if presses(Key::Enter) > 0 && editor.canvas.marked.is_some() {
         if let Some(image) = chart.pixels.clone() {
-            bars::crop_marked(ui.ctx(), editor, &image);
+            crop_marked(ui.ctx(), editor, &image);
         }
         return;
     }

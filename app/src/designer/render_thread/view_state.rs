@@ -46,7 +46,8 @@ pub enum Stage {
 /// How much can be seen of what is requested.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Seen {
-    /// Nothing, or only a coarse preview that was drawn while the scene was being made.
+    /// No picture of the size that is in work; at most a smaller one, or a coarse preview drawn while the scene was
+    /// being made.
     Nothing,
     /// A picture smaller than requested, drawn for speed.
     Reduced,

@@ -99,7 +99,7 @@ fn environment_radiance(direction: vec3<f32>) -> vec3<f32> {
     return scene.environment.xyz;
 }
 
-// Directions by a picture's light: what is drawn how, and why, is told in renderer-core/src/design/environment_light.rs.
+// Directions by a picture's light: what is drawn how, and why, stands in renderer-core/src/sampling/piecewise_constant_2d.rs.
 
 // Place and width of the `index`-th share among sums of light: in a row of texels or, for `row` < 0, of the rows of a half.
 fn light_sum(index: i32, row: i32, column: i32) -> f32 {

@@ -103,7 +103,7 @@ impl EnvironmentImage {
         &self.light
     }
 
-    /// The same picture, which renderers look at by the phase alone however uneven its light: what looking by its light is held
+    /// This picture, which renderers look at by the phase alone however uneven its light: what looking by its light is held
     /// against.
     pub fn drawn_by_phase(&self) -> Self {
         Self {

@@ -1,4 +1,4 @@
-//! Cameras: pixel to ray, in f64. Space: any, in mm.
+//! Cameras (MODEL.md §12): pixel to ray, in f64. Space: any, in mm.
 
 use glam::{DVec2, DVec3};
 
@@ -33,8 +33,8 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// Width of a pixel of a picture `height` pixels high, across the view where its middle meets the sheet's plane (or at the
-    /// eye's height above it, for views past the sheet), mm.
+    /// Width of a pixel of a picture `height` pixels high, across the view where its middle meets the sheet's plane (or
+    /// at the eye's height above it, for views past the sheet), mm.
     pub fn pixel_mm(&self, height: u32) -> f64 {
         let to_plane = -self.eye.z / self.forward.z;
         let distance = if to_plane > 0.0 && to_plane.is_finite() {

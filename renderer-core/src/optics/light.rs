@@ -1,6 +1,6 @@
-//! Lights that have a place or a direction of their own: suns and area lights (MODEL.md §8; area lights are not in the paper).
-//! What arrives at a point of the world from one direction, drawn by two random numbers; whether it arrives is for shadow rays
-//! to find out. They need no end: the cloth lies before every area light.
+//! Lights that have a place or a direction of their own: suns and area lights (MODEL.md §8; area lights are not in the
+//! paper). What arrives at a point of the world from one direction, drawn by two random numbers; whether it arrives is
+//! for shadow rays to find out. They need no end: the cloth lies before every area light.
 
 use glam::DVec3;
 
@@ -30,8 +30,8 @@ impl<'a> Light<'a> {
         Some((Self::Area(light), Set::Area { bounce, area }))
     }
 
-    /// A unit direction from `point` (world, mm) to the light, and the irradiance that comes from there on a plane that faces
-    /// it: over all numbers [0, 1)² its mean is that of the whole light.
+    /// A unit direction from `point` (world, mm) to the light, and the irradiance that comes from there on a plane that
+    /// faces it: over all numbers [0, 1)² its mean is that of the whole light.
     #[inline(always)]
     pub fn towards(self, point: DVec3, [u, v]: [f64; 2]) -> (DVec3, DVec3) {
         match self {

@@ -3,10 +3,10 @@
 //! A value is ψ/albedo, in 1/sr, so normalised that its integral over all light directions is at most 1 for every
 //! view direction (for surfaces the cosine is included). All directions point away from the point.
 //!
-//! With the light given instead, the sum over all views is 1 only for `isotropic`, since extinction does not depend on direction:
-//! for `frame_lambert` and `gradient_lambert` it is 2|n·l|, for `kajiya_kay` up to 1.3. So a beam that meets the frames of most
-//! loops face on is given back brighter than it came, once: measured up to 1.5 times for `frame_lambert`, not at all for
-//! `gradient_lambert`, whose surfaces face all sides. Light from all around never is.
+//! With the light given instead, the sum over all views is 1 only for `isotropic`, since extinction does not depend on
+//! direction: for `frame_lambert` and `gradient_lambert` it is 2|n·l|, for `kajiya_kay` up to 1.3. So a beam that meets
+//! the frames of most loops face on is given back brighter than it came, once: measured up to 1.5 times for
+//! `frame_lambert`, not at all for `gradient_lambert`, whose surfaces face all sides. Light from all around never is.
 
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
@@ -60,10 +60,10 @@ pub enum Lobe {
 }
 
 impl Lobe {
-    /// Of `gradient_lambert` where ρ changes by `gradient` per mm: the surface faces n = −∇ρ/|∇ρ|, and is one in the share
-    /// x²/(1 + x²), where x = |∇ρ|·`thickness` is how much ρ changes over the loop's thickness. A yarn's skin, where ρ
-    /// falls from 1 to 0 over an eighth of the thickness or less, is all surface; a density that takes the whole thickness
-    /// for it is none. Where ∇ρ vanishes, and n with it, so does the share.
+    /// Of `gradient_lambert` where ρ changes by `gradient` per mm: the surface faces n = −∇ρ/|∇ρ|, and is one in the
+    /// share x²/(1 + x²), where x = |∇ρ|·`thickness` is how much ρ changes over the loop's thickness. A yarn's skin,
+    /// where ρ falls from 1 to 0 over an eighth of the thickness or less, is all surface; a density that takes the
+    /// whole thickness for it is none. Where ∇ρ vanishes, and n with it, so does the share.
     pub fn gradient(gradient: DVec3, thickness: f64, material: usize) -> Self {
         let steepness = gradient.length();
         let x = steepness * thickness;
@@ -80,7 +80,7 @@ impl Lobe {
 pub struct FromSky {
     /// Unit vector in sheet space.
     pub direction: DVec3,
-    /// The same in the world.
+    /// That direction as a unit vector in the world.
     pub in_world: DVec3,
     /// ψ/albedo over its density.
     pub weight: f64,
@@ -104,7 +104,8 @@ pub struct Vertex {
     pub albedo: DVec3,
     /// How it scatters.
     pub lobe: Lobe,
-    /// Turns directions of the sheet, which `normal`, `lobe` and all directions of scattering are, to those of the world.
+    /// Turns directions of the sheet, which `normal`, `lobe` and all directions of scattering are, to those of the
+    /// world.
     pub world_from_sheet: DMat3,
 }
 
@@ -115,9 +116,9 @@ impl Vertex {
         self.world_from_sheet.transpose() * world
     }
 
-    /// The ray that leaves it towards `direction`, a surface from `offset_mm` above it: that is to be above the precision of
-    /// the renderer's hits and far below any yarn. It starts in the sheet, but its direction is the one that it has in the
-    /// world.
+    /// The ray that leaves it towards `direction`, a surface from `offset_mm` above it: that is to be above the
+    /// precision of the renderer's hits and far below any yarn. It starts in the sheet, but its direction is the one
+    /// that it has in the world.
     #[inline(always)]
     pub fn leave(&self, direction: DVec3, offset_mm: f64) -> Ray {
         let origin = match self.lobe {
@@ -138,7 +139,8 @@ impl Vertex {
 pub struct Optics {
     surface: SurfaceOptics,
     materials: Vec<Parameters>,
-    /// For each different p of `kajiya_kay`, N_p at equal steps of θ_v from 0 to π; empty where no material has that phase.
+    /// For each different p of `kajiya_kay`, N_p at equal steps of θ_v from 0 to π; empty where no material has that
+    /// phase.
     highlight_norms: Vec<Vec<f64>>,
 }
 
@@ -258,10 +260,11 @@ impl Optics {
         }
     }
 
-    /// A direction of light from `sky`, from three numbers in [0, 1), for a point on the side of the sheet that `up` = ±1 tells.
-    /// It follows the phase, and that of a drawn sky mostly the sky's light (one-sample balance heuristic: Veach 1997, §9.2.4).
-    /// Points that scatter equally look to the other side in the share `down` only: see [`Skeleton::worth_looking_down`].
-    /// `turn` tells how bent cloth lies there: it may see as much of the lower half of the sky as of the upper.
+    /// A direction of light from `sky`, from three numbers in [0, 1), for a point on the side of the sheet that `up` =
+    /// ±1 tells. It follows the phase, and that of a drawn sky mostly the sky's light (one-sample balance heuristic:
+    /// Veach 1997, §9.2.4). Points that scatter equally look to the other side in the share `down` only: see
+    /// [`Skeleton::worth_looking_down`]. `turn` tells how bent cloth lies there: it may see as much of the lower half
+    /// of the sky as of the upper.
     #[inline(always)]
     pub fn sample_sky(
         &self,
@@ -284,8 +287,8 @@ impl Optics {
         };
         let [up, down] = sides;
         let down_in_world = if turn.is_some() { 0.5 } else { down };
-        // One number chooses between the two and goes on in its part, so that each of them is spread evenly. In f32, since the
-        // texel that it finds must be the same on all devices.
+        // One number chooses between the two and goes on in its part, so that each of them is spread evenly. In f32,
+        // since the texel that it finds must be the same on all devices.
         let (share, rest) = (Sky::PHASE_SHARE, 1.0 - Sky::PHASE_SHARE);
         let by_light = u as f32 >= share;
         let (direction, in_world) = if by_light {
@@ -336,7 +339,8 @@ impl Optics {
         }
     }
 
-    /// The same by the phase alone.
+    /// A direction to the environment that follows the phase alone, and ψ/albedo over its density; points that scatter
+    /// equally look to the other side of the sheet in the share `down`.
     fn sample_environment(
         &self,
         lobe: Lobe,

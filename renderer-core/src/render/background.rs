@@ -1,8 +1,8 @@
 //! Which tiles of a picture show nothing but background: those whose rays all miss the box around the cloth.
 //!
-//! Told by planes with the box on one side and all rays through the tile on the other: the box's faces, the sides of the
-//! tile's pyramid of rays, and planes through an edge of the box and the eye. That finds almost all there are; what it does
-//! not find is traced.
+//! Found by planes with the box on one side and all rays through the tile on the other: the box's faces, the sides of
+//! the tile's pyramid of rays, and planes through an edge of the box and the eye. That finds almost all there are; what
+//! it does not find is traced.
 
 use glam::{DVec2, DVec3};
 
@@ -10,12 +10,12 @@ use super::RenderRequest;
 use crate::geometry::Camera;
 use crate::scene::Scene;
 
-/// The box is taken this much larger on each side, as a share of its size and in mm: rays in f32 miss by up to 10⁻⁴ mm what
-/// they should hit, and may count yarns a thousandth thicker.
+/// The box is taken this much larger on each side, as a share of its size and in mm: rays in f32 miss by up to 10⁻⁴ mm
+/// what they should hit, and may count yarns a thousandth thicker.
 const ROOMY: f64 = 1e-3;
 /// Distances below this, mm, are rounding.
 const ROUNDING_MM: f64 = 1e-9;
-/// The same for what a unit direction changes: over all of a scene it comes to less than [`ROUNDING_MM`].
+/// Changes of a unit direction below this are rounding: over all of a scene they come to less than [`ROUNDING_MM`].
 const ROUNDING: f64 = 1e-13;
 
 /// Corners of the box that holds all loops and ground yarns, in world space, mm: least and greatest.
@@ -172,7 +172,8 @@ impl<'a> Finder<'a> {
     }
 }
 
-/// For each tile of `side` pixels, row by row, whether it shows nothing but background, in whichever of its levels of detail.
+/// For each tile of `side` pixels, row by row, whether it shows nothing but background, in whichever of its levels of
+/// detail.
 pub fn background_tiles(request: &RenderRequest, side: u32) -> Vec<bool> {
     let levels = request.view.levels.iter();
     let finders: Vec<_> = levels

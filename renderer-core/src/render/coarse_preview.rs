@@ -1,9 +1,9 @@
 //! Which cells of the cloth a coarse first picture depends on, so that a scene can be made for it before all loops are.
 //!
-//! Space: world, mm. A camera's ray is followed through the heights that loops can reach, and the light of every sun and area light to each of its
-//! points. Both lie over a convex polygon on the sheet: the ray's ends there, and the second end's shadow on the plane where
-//! the loops end, for the outermost directions of the sun. The sky's light and further bounces come from all sides; so far
-//! as their way is short, they see the same, too.
+//! Space: world, mm. A camera's ray is followed through the heights that loops can reach, and the light of every sun
+//! and area light to each of its points. Both lie over a convex polygon on the sheet: the ray's ends there, and the
+//! second end's shadow on the plane where the loops end, for the outermost directions of the sun. The sky's light and
+//! further bounces come from all sides; so far as their way is short, they see the same, too.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -17,7 +17,8 @@ use crate::scene::{AreaLight, Lights, PileReach, SunLight, VisibleCells};
 /// Allowance for rounding, and for rays that start a little off a surface, mm.
 const SLACK_MM: f64 = 0.01;
 
-/// A coarse picture of level cloth: the first sample of some pixels. Which cells bent cloth shows is not told so quickly.
+/// A coarse picture of level cloth: the first sample of some pixels. Which cells bent cloth shows is not found so
+/// quickly.
 #[derive(Debug, Clone, Copy)]
 pub struct CoarsePreview<'a> {
     /// The cloth.
@@ -172,7 +173,8 @@ impl Shadow {
                     let above = places.iter().all(|place| place.z > high.z);
                     let below = places.iter().all(|place| place.z < low.z);
                     for place in places {
-                        // Where the way leaves the heights of the cloth; from a light that reaches down to them, the whole way.
+                        // Where the way leaves the heights of the cloth; from a light that reaches down to them, the
+                        // whole way.
                         let share = if above || below {
                             let level = if above { high.z } else { low.z };
                             (level - end.z) / (place.z - end.z)

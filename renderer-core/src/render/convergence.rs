@@ -1,15 +1,15 @@
 //! When work on tiles and pictures ends: one rule for all backends (MODEL.md §10).
 //!
-//! Decisions fall only when all pixels that are still drawn have 2^k samples. A picture ends when its estimated error is at
-//! most the target. A tile ends before that, with [`Optimisation::ConvergedTiles`](super::Optimisation), when its own part of the error
-//! is: when the variances of its pixels' means sum up to at most (target · mean of the whole picture)² for each of its
-//! values. Were every tile like that, the picture would have the error asked for; the tiles that are not go on
-//! until the picture as a whole has it, so that samples go where the error is.
+//! Decisions fall only when all pixels that are still drawn have 2^k samples. A picture ends when its estimated error
+//! is at most the target. A tile ends before that, with [`Optimisation::ConvergedTiles`](super::Optimisation), when its
+//! own part of the error is: when the variances of its pixels' means sum up to at most (target · mean of the whole
+//! picture)² for each of its values. Were every tile like that, the picture would have the error asked for; the tiles
+//! that are not go on until the picture as a whole has it, so that samples go where the error is.
 //!
-//! Bias: whether a tile ends depends on its samples. One that has been lucky, in which light that is rare and bright has
-//! not shown itself, ends early and stays a little too dark, and its estimated error a little too small. From 16 samples
-//! on an estimate rests on two means or more of every pixel of a tile, some hundred numbers, which are hardly ever all
-//! lucky; tests/core/tiles/converged.rs holds such tiles against other samples.
+//! Bias: whether a tile ends depends on its samples. One that has been lucky, in which light that is rare and bright
+//! has not shown itself, ends early and stays a little too dark, and its estimated error a little too small. From 16
+//! samples on an estimate rests on two means or more of every pixel of a tile, some hundred numbers, which are hardly
+//! ever all lucky; tests/core/tiles/converged.rs holds such tiles against other samples.
 
 use crate::sampling::RUN;
 

@@ -1,5 +1,5 @@
-//! Work that renderers leave out because it cannot be seen. Every optimisation has a name, a counter in [`super::Counters`], and a
-//! switch, so that its gain can be measured and its picture compared.
+//! Work that renderers leave out because it cannot be seen. Every optimisation has a name, a counter in
+//! [`super::Counters`], and a switch, so that its gain can be measured and its picture compared.
 
 use std::fmt;
 use std::str::FromStr;
@@ -16,7 +16,8 @@ pub enum Optimisation {
     RepeatedTests,
     /// Tiles of the picture that hold nothing but background. Exact.
     BackgroundTiles,
-    /// Tiles whose error is below the target while others' is not. Biased a little, since who is lucky early stops early.
+    /// Tiles whose error is below the target while others' is not. Biased a little, since who is lucky early stops
+    /// early.
     ConvergedTiles,
     /// The rest of a shadow ray that hardly any light comes through. Unbiased, or below 10⁻⁴ of the light.
     OpaqueRays,

@@ -220,7 +220,8 @@ pub fn check_size(size: [u32; 2], crop: [u32; 4]) -> Result<(), RenderError> {
     if !(fits(0) && fits(1)) {
         let ([x, y, width, height], [full_width, full_height]) = (crop, size);
         return Err(RenderError::Size(format!(
-            "crop is {x},{y},{width},{height}, but it must have at least one pixel and lie inside {full_width}x{full_height}"
+            "crop is {x},{y},{width},{height}, but it must have at least one pixel and lie inside \
+                 {full_width}x{full_height}"
         )));
     }
     Ok(())

@@ -99,8 +99,8 @@ impl Camera {
     }
 }
 
-/// Parameter at which a ray enters a box and the axis across the face it enters by; for a ray that misses, where it passes
-/// nearest to the middle. At least 0, and without a face where the ray starts inside.
+/// Parameter at which a ray enters a box and the axis across the face it enters by; for a ray that misses, where it
+/// passes nearest to the middle. At least 0, and without a face where the ray starts inside.
 fn entry(origin: DVec3, direction: DVec3, low: DVec3, high: DVec3) -> (f64, Option<usize>) {
     let (mut enter, mut leave, mut face) = (0.0_f64, f64::INFINITY, None);
     for axis in 0..3 {

@@ -1,15 +1,16 @@
-//! Where the light of a picture of the surroundings comes from: how likely renderers look at each of its texels, so that a
-//! small bright sun in a picture is found as often as it matters (Pharr, Jakob and Humphreys, "Physically Based Rendering",
-//! §12.5; not in the paper).
+//! Where the light of a picture of the surroundings comes from: how likely renderers look at each of its texels, so
+//! that a small bright sun in a picture is found as often as it matters (Pharr, Jakob and Humphreys, "Physically Based
+//! Rendering", §12.5; not in the paper).
 //!
-//! The upper and the lower half of all directions are drawn from apart, since hardly any light comes through the cloth from its
-//! other side: each half has its rows from its pole to the horizon, a picture of an odd number of rows the middle one in both.
-//! A row is drawn by its share of the half's light, a texel by its share of the row's, a direction evenly within the part of
-//! the texel that lies in the half. All shares are sums in f32, so that every renderer finds the same texel.
+//! The upper and the lower half of all directions are drawn from apart, since hardly any light comes through the cloth
+//! from its other side: each half has its rows from its pole to the horizon, a picture of an odd number of rows the
+//! middle one in both. A row is drawn by its share of the half's light, a texel by its share of the row's, a direction
+//! evenly within the part of the texel that lies in the half. All shares are sums in f32, so that every renderer finds
+//! the same texel.
 //!
-//! The light of a texel is what bilinear filtering shows in it on average, a tent of [1, 6, 1]/8 over its neighbours each way,
-//! and a little of the whole picture's mean, so that none is without. Red, green and blue count alike: errors are those of all
-//! channels.
+//! The light of a texel is what bilinear filtering shows in it on average, a tent of [1, 6, 1]/8 over its neighbours
+//! each way, and a little of the whole picture's mean, so that none is without. Red, green and blue count alike: errors
+//! are those of all channels.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
@@ -18,8 +19,8 @@ use glam::DVec3;
 
 /// Share of the picture's mean light that every texel has at least.
 const LEAST: f64 = 1.0 / 256.0;
-/// The mean square of a half's light over its squared mean, above which directions are worth drawing by it: evenly overcast skies
-/// are at 1.0 to 1.5, a hemisphere half of which is black at 2, skies with a sun beyond 100.
+/// The mean square of a half's light over its squared mean, above which directions are worth drawing by it: evenly
+/// overcast skies are at 1.0 to 1.5, a hemisphere half of which is black at 2, skies with a sun beyond 100.
 const UNEVEN: f64 = 2.5;
 /// A half that has less of the light than this is not asked how even it is.
 const NOTABLE: f64 = 0.02;
@@ -31,7 +32,8 @@ pub struct PiecewiseConstant2D {
     height: usize,
     /// For each texel, row by row, the share of its row's light up to it and with it.
     in_row: Arc<[f32]>,
-    /// For each half, upper first, and each of its rows from its pole on, the share of the half's light up to it and with it.
+    /// For each half, upper first, and each of its rows from its pole on, the share of the half's light up to it and
+    /// with it.
     of_rows: [Arc<[f32]>; 2],
     is_uneven: bool,
 }
@@ -118,7 +120,7 @@ impl PiecewiseConstant2D {
         self.is_uneven
     }
 
-    /// The same, said to be even.
+    /// This table, which says of itself that the light is even.
     pub(crate) fn taken_as_even(&self) -> Self {
         Self {
             is_uneven: false,
@@ -131,14 +133,14 @@ impl PiecewiseConstant2D {
         &self.in_row
     }
 
-    /// For the upper (0) or the lower half (1) and each of its rows, from its pole to the horizon, the share of the half's
-    /// light up to it and with it.
+    /// For the upper (0) or the lower half (1) and each of its rows, from its pole to the horizon, the share of the
+    /// half's light up to it and with it.
     pub fn of_rows(&self, half: usize) -> &[f32] {
         &self.of_rows[half]
     }
 
-    /// A unit direction of the upper half or, for `below`, of the lower one, for numbers in [0, 1) that choose column and row; the
-    /// picture's middle is at azimuth `middle`, radians.
+    /// A unit direction of the upper half or, for `below`, of the lower one, for numbers in [0, 1) that choose column
+    /// and row; the picture's middle is at azimuth `middle`, radians.
     pub fn direction(&self, below: bool, [u, v]: [f32; 2], middle: f64) -> DVec3 {
         let half = usize::from(below);
         let (ring, down) = find(&self.of_rows[half], v);

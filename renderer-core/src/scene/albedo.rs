@@ -4,15 +4,15 @@
 //! Light that leaves the cloth after n scatterings in the pile and m on ground yarns is ω^n·σ^m of what it is without
 //! absorption, ω the albedo of the loops and σ that of the ground yarns. So under a uniform sky the cloth reflects
 //!   R(ω, σ) = Σ_n ω^n · (c_n + g_n·Σ_m p_n(m)·σ^m),
-//! c_n the share of light that meets pile alone, g_n that which meets ground yarns as well, m ≥ 1 times on average m̄_n. m is
-//! taken to be distributed geometrically: Σ_m p(m)·σ^m = σ(1−q)/(1−qσ), q = 1 − 1/m̄. Paths of at most b scatterings keep the
-//! terms with n + m ≤ b. [`super::scattering_orders`] holds c, g and m̄, measured on the default terry; cloth that is much thinner or
-//! less dense gives back a little less.
+//! c_n the share of light that meets pile alone, g_n that which meets ground yarns as well, m ≥ 1 times on average
+//! m̄_n. m is taken to be distributed geometrically: Σ_m p(m)·σ^m = σ(1−q)/(1−qσ), q = 1 − 1/m̄. Paths of at most b
+//! scatterings keep the terms with n + m ≤ b. [`super::scattering_orders`] holds c, g and m̄, measured on the default
+//! terry; cloth that is much thinner or less dense gives back a little less.
 //!
-//! What cloth can reflect ends where its loops have the albedo `max_albedo`: for 0.985, on the default ground yarns and seen
-//! as by the default camera, at 0.61 (sRGB 205) however often light scatters, at 0.60 with 64 bounces and 0.48 with 16. A
-//! brighter colour is darkened to that, its hue kept. So white is the whitest cotton that the bounces can show; what the tail
-//! beyond 64 bounces would add to it is 2 %, ΔE 0.6, and less to every other colour.
+//! What cloth can reflect ends where its loops have the albedo `max_albedo`: for 0.985, on the default ground yarns and
+//! seen as by the default camera, at 0.61 (sRGB 205) however often light scatters, at 0.60 with 64 bounces and 0.48
+//! with 16. A brighter colour is darkened to that, its hue kept. So white is the whitest cotton that the bounces can
+//! show; what the tail beyond 64 bounces would add to it is 2 %, ΔE 0.6, and less to every other colour.
 
 use super::finish::wet_reflectance;
 use super::scattering_orders::{
@@ -26,8 +26,8 @@ const ENTRIES: usize = 1024;
 /// Albedos at which R is tabulated for that, closer together where it is steeper.
 const ALBEDOS: usize = 512;
 
-/// With so small a share of all the light that cloth can reflect, a picture keeps the proportions of its colours, since hardly
-/// any of them would be bright enough; with the larger share it shows each as it is.
+/// With so small a share of all the light that cloth can reflect, a picture keeps the proportions of its colours, since
+/// hardly any of them would be bright enough; with the larger share it shows each as it is.
 const PROPORTIONS_UP_TO: f64 = 0.4;
 const COLOURS_FROM: f64 = 0.7;
 
@@ -88,7 +88,8 @@ impl AlbedoTable {
         }
     }
 
-    /// The reflectance that cloth of a colour is given: the colour itself, or the brightest of its hue that yarn can be.
+    /// The reflectance that cloth of a colour is given: the colour itself, or the brightest of its hue that yarn can
+    /// be.
     pub fn reached(&self, linear_rgb: [f64; 3]) -> [f64; 3] {
         let channels = self.channels.iter().zip(linear_rgb);
         let darken = channels.fold(1.0, |darken: f64, (channel, wanted)| {
@@ -108,7 +109,8 @@ pub fn albedo_from_reflectance(linear_rgb: [f64; 3], table: &AlbedoTable) -> [f6
     wet_albedo_from_reflectance(linear_rgb, table, 0.0)
 }
 
-/// The same of cloth that reflects `linear_rgb` when it is dry, and is wet.
+/// Single-scatter albedo of each channel of cloth that reflects `linear_rgb` (each in [0, 1]) when it is dry, and of
+/// whose yarns a share `wetness` is wet.
 pub(super) fn wet_albedo_from_reflectance(
     linear_rgb: [f64; 3],
     table: &AlbedoTable,

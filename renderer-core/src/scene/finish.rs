@@ -1,6 +1,6 @@
-//! Wear and finish: what happens to loops after weaving. A map brushes the front's pile one way or another; shears cut
-//! a face level; some loops that they did not reach are pulled out; water darkens the yarn, thins it and gathers loops
-//! into clumps. mm and radians.
+//! Wear and finish: what happens to loops after weaving (MODEL.md §13). A map brushes the front's pile one way or
+//! another; shears cut a face level; some loops that they did not reach are pulled out; water darkens the yarn, thins
+//! it and gathers loops into clumps. mm and radians.
 //!
 //! All of it is decided here, before anything is drawn: renderers see loops, materials and volumes as ever.
 

@@ -29,7 +29,7 @@ impl Lights {
 }
 
 impl Lights {
-    /// The same lights over a region of a design.
+    /// These lights in the world of a region of a design: area lights come nearer and shrink with it.
     pub(super) fn in_region(mut self, region: &LodRegion, design: &Design) -> Self {
         let scale = region.scale();
         for area in &mut self.areas {
@@ -91,8 +91,8 @@ impl AreaLight {
     }
 }
 
-/// Irradiance per radiance of a rectangle of these half sides, on a plane parallel to it at `distance` from its middle: four
-/// times the known form of one corner (Howell's catalogue of configuration factors, B-3), times π.
+/// Irradiance per radiance of a rectangle of these half sides, on a plane parallel to it at `distance` from its middle:
+/// four times the known form of one corner (Howell's catalogue of configuration factors, B-3), times π.
 fn seen_share([a, b]: [f64; 2], distance: f64) -> f64 {
     let part = |a: f64, b: f64| {
         let slant = a.hypot(distance);

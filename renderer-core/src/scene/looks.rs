@@ -165,8 +165,8 @@ impl<'a> Dyer<'a> {
         }
     }
 
-    /// Albedo, in 65535ths, and material of a loop that has the length, the pile and so on of one colour, and looks like some
-    /// linear light.
+    /// Albedo, in 65535ths, and material of a loop that has the length, the pile and so on of one colour, and looks
+    /// like some linear light.
     fn dyed(&self, colour: [u8; 3], linear: [f64; 3]) -> ([u16; 3], u8) {
         let row = self.rule.row(colour);
         let scale = row.map_or(1.0, |row| self.design.length.table[row].albedo_scale);
@@ -227,8 +227,9 @@ impl<'a> Painter<'a> {
         self.chart.colour(i, j).unwrap_or_default()
     }
 
-    /// The mean of the colours that a loop's cell stands for, linear; `None` if all are its `own`. A loop that had one of them
-    /// by chance would have the right mean as well, but what a chart draws would go down in noise where loops are larger than it.
+    /// The mean of the colours that a loop's cell stands for, linear; `None` if all are its `own`. A loop that had one
+    /// of them by chance would have the right mean as well, but what a chart draws would go down in noise where loops
+    /// are larger than it.
     fn mean_colour(
         &self,
         planted: &PlantedLoop,

@@ -1,4 +1,4 @@
-//! Which way a nap map lays each loop, radians along the weft and the warp.
+//! Which way a nap map lays each loop (MODEL.md §13), radians along the weft and the warp.
 
 use super::SheetGeometry;
 use super::chart::ChartOnSheet;

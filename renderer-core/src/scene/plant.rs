@@ -33,7 +33,8 @@ pub(super) enum Frames<'a> {
     Of(&'a CellSet),
     /// Those of the loops that stand in these cells, to keep the loops that reach visible cells.
     Visible(&'a CellSet, &'a VisibleCells),
-    /// Both of every cell, to drop those that do not stand: what [`CompilerOptions::skips_unplanted`](super::CompilerOptions) leaves out.
+    /// Both of every cell, to drop those that do not stand: what
+    /// [`CompilerOptions::skips_unplanted`](super::CompilerOptions) leaves out.
     All,
 }
 
@@ -117,7 +118,8 @@ impl LoopsInputs {
         }
     }
 
-    /// The loops, ordered by cell, and how many frames were made for them; not all of them if `cancel` says so afterwards.
+    /// The loops, ordered by cell, and how many frames were made for them; not all of them if `cancel` says so
+    /// afterwards.
     pub(super) fn plant(
         &self,
         turbulence: &TurbulenceField,
@@ -209,7 +211,8 @@ impl LoopsInputs {
         box_of(shape, common.base_width as f32, common.thickness as f32)
     }
 
-    /// The same, but frames are made for both faces of every cell.
+    /// The loops of weft `j`, found by making the frames of both faces of every cell and dropping those that do not
+    /// stand.
     fn whole_row(&self, turbulence: &TurbulenceField, faces: &Faces, j: usize) -> Row {
         let mut row = Row::default();
         for i in 0..self.sheet.warps as usize {

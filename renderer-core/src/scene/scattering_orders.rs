@@ -1,10 +1,11 @@
 //! How much light leaves white terry after how many scatterings: the measured part of `albedo`.
 //!
 //! Measured with the reference renderer by 64 000 walks a column (tests/core/colour.rs, which also measures some of it
-//! anew): the default design with white loops and ground yarns, whose yarn keeps the little that its grooves absorb; rays from the
-//! default camera's direction, 50° over the cloth, onto the middle of the sheet; directions drawn from the phase function
-//! itself, free paths by delta tracking, until a walk leaves or has scattered a thousand times. Rays through holes are left out. A
-//! number is a share of the light, good to √(share/64 000): 1 % of the first terms, 3 % of the last.
+//! anew): the default design with white loops and ground yarns, whose yarn keeps the little that its grooves absorb;
+//! rays from the default camera's direction, 50° over the cloth, onto the middle of the sheet; directions drawn from
+//! the phase function itself, free paths by delta tracking, until a walk leaves or has scattered a thousand times. Rays
+//! through holes are left out. A number is a share of the light, good to √(share/64 000): 1 % of the first terms, 3 %
+//! of the last.
 
 /// Bins of numbers of scatterings in the pile.
 pub const BINS: usize = 20;

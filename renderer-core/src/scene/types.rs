@@ -76,7 +76,8 @@ impl Scene {
         (self.form.as_ref()).map_or(sheet, |form| form.world_of(sheet))
     }
 
-    /// The same as far as lights need it: suns and surroundings need none.
+    /// The world position of a sheet position, mm, where lights depend on it; without area lights the sheet position
+    /// itself.
     #[inline(always)]
     pub fn lit_point(&self, sheet: DVec3) -> DVec3 {
         if self.lights.areas.is_empty() {
@@ -263,8 +264,8 @@ pub struct SunLight {
     pub irradiance: [f64; 3],
 }
 
-/// A rectangle that shines on the side that it faces the middle of the cloth with. The whole cloth is on that side, so that
-/// nothing behind it is in the way of a ray to it. World space.
+/// A rectangle that shines on the side that it faces the middle of the cloth with. The whole cloth is on that side, so
+/// that nothing behind it is in the way of a ray to it. World space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AreaLight {
     /// Its middle, mm.
@@ -293,9 +294,9 @@ pub enum Sky {
         /// Linear RGB below.
         ground: [f64; 3],
     },
-    /// Equirectangular: rows at equal steps of the angle from +z, columns at equal steps of the azimuth, which falls from
-    /// left to right (a viewer inside who turns right sees the next column). Bilinear between texel centres, around
-    /// the border from column to column, and constant beyond the centres of the first and the last row.
+    /// Equirectangular: rows at equal steps of the angle from +z, columns at equal steps of the azimuth, which falls
+    /// from left to right (a viewer inside who turns right sees the next column). Bilinear between texel centres,
+    /// around the border from column to column, and constant beyond the centres of the first and the last row.
     Image {
         /// The picture.
         image: EnvironmentImage,

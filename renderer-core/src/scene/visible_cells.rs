@@ -1,4 +1,5 @@
-//! Scenes for a coarse preview: which cells some rays pass, and how far loops can reach into them. mm, and cells of the sheet.
+//! Scenes for a coarse preview: which cells some rays pass, and how far loops can reach into them. mm, and cells of the
+//! sheet.
 
 use std::ops::RangeInclusive;
 
@@ -13,8 +14,8 @@ use crate::design::Design;
 /// Slack around every bound, as a share of the farthest reach: twice what the grid allows for f32 rounding.
 const SLACK: f64 = 2e-5;
 
-/// How far from the centre of its own cell any loop of a design can be, whatever its turbulence, and how high and how deep
-/// loops and ground yarns lie.
+/// How far from the centre of its own cell any loop of a design can be, whatever its turbulence, and how high and how
+/// deep loops and ground yarns lie.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PileReach {
     /// The sheet.
@@ -42,7 +43,8 @@ impl PileReach {
         reach
     }
 
-    /// The reach of loops of these frames that are at most so long and lean so much more than their frames say, radians.
+    /// The reach of loops of these frames that are at most so long and lean so much more than their frames say,
+    /// radians.
     fn of_frames(
         sheet: &SheetGeometry,
         frames: &FrameRules,
@@ -74,7 +76,8 @@ impl PileReach {
             low.min(-root) - half_thickness,
             high.max(root) + half_thickness,
         );
-        // Loops of the back hang as far down as those of the front stand up. Upright ones may be lower than their roots.
+        // Loops of the back hang as far down as those of the front stand up. Upright ones may be lower than their
+        // roots.
         let up = high_root + length + half_top + half_thickness;
         let down = half_top + half_thickness - low_root;
         let far_z = up.max(down);

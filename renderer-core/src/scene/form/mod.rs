@@ -1,13 +1,14 @@
-//! Form: how the cloth lies in space (the paper's future work 3).
+//! Form: how the cloth lies in space (MODEL.md §14, the paper's future work 3).
 //!
-//! The cloth is a shell around a surface, S(x, y) + z·n(x, y), with z between the lowest and the highest point of pile and
-//! ground. Facets of some blocks each cut it into hexahedra, and each of these is six tetrahedra, in which the map from the
-//! flat sheet is affine and continuous from one to the next (shell maps: Porumbescu et al., SIGGRAPH 2005; the six by Kuhn,
-//! 1960). So a straight ray through space is a chain of straight pieces through the flat cloth, and everything that is known of
-//! flat cloth serves: pile bends with the shell, ground yarns have no seams, and the grid of blocks is walked as ever.
+//! The cloth is a shell around a surface, S(x, y) + z·n(x, y), with z between the lowest and the highest point of pile
+//! and ground. Facets of some blocks each cut it into hexahedra, and each of these is six tetrahedra, in which the map
+//! from the flat sheet is affine and continuous from one to the next (shell maps: Porumbescu et al., SIGGRAPH 2005; the
+//! six by Kuhn, 1960). So a straight ray through space is a chain of straight pieces through the flat cloth, and
+//! everything that is known of flat cloth serves: pile bends with the shell, ground yarns have no seams, and the grid
+//! of blocks is walked as ever.
 //!
-//! Spaces: *sheet* is the flat cloth, *world* where it lies; `world_from_sheet`. In a tetrahedron a place is given in *coordinates* of
-//! its hexahedron, from 0 to 1 along x, y and z.
+//! Spaces: *sheet* is the flat cloth, *world* where it lies; `world_from_sheet`. In a tetrahedron a place is given in
+//! *coordinates* of its hexahedron, from 0 to 1 along x, y and z.
 
 mod height;
 mod net;
@@ -47,7 +48,8 @@ pub struct FormMesh {
     pub heights: [f64; 2],
     /// World position of the lower and the upper end of each corner, mm: row by row, one more than there are facets.
     pub corners: Vec<[[f32; 3]; 2]>,
-    /// Least and greatest corner of boxes, mm: of each facet, row by row; then of every 2 × 2 of them, and so on up to one.
+    /// Least and greatest corner of boxes, mm: of each facet, row by row; then of every 2 × 2 of them, and so on up to
+    /// one.
     pub boxes: Vec<[[f32; 3]; 2]>,
     /// How many boxes each of these levels has along x and y.
     pub levels: Vec<[u32; 2]>,
@@ -82,8 +84,8 @@ impl TetMap {
         self.origin + self.per_coordinate * coordinates
     }
 
-    /// The rotation nearest to the map: x stays in the plane of x and y, and z is its normal. It turns directions of light and
-    /// fibres, whose lengths are 1.
+    /// The rotation nearest to the map: x stays in the plane of x and y, and z is its normal. It turns directions of
+    /// light and fibres, whose lengths are 1.
     pub fn rotation(&self) -> DMat3 {
         let [x, y] = [self.per_coordinate.x_axis, self.per_coordinate.y_axis];
         let z = x.cross(y).normalize_or(DVec3::Z);
@@ -170,7 +172,8 @@ impl FormMesh {
                     return Err(Fault {
                         path: path.into(),
                         value: format!(
-                            "{value}, bent so sharply at {:.0}, {:.0} mm of the cloth that its pile, which stands from {low:.1} to {high:.1} mm, passes through itself",
+                            "{value}, bent so sharply at {:.0}, {:.0} mm of the cloth that its pile, which stands from \
+                             {low:.1} to {high:.1} mm, passes through itself",
                             at.x, at.y,
                         ),
                         allowed: allowed.into(),
@@ -261,7 +264,8 @@ impl FormMesh {
         self.facet_low(facet) + coordinates * self.facet_mm()
     }
 
-    /// The facet that holds a sheet position, and its coordinates of that; of positions beyond the cloth the nearest facet.
+    /// The facet that holds a sheet position, and its coordinates of that; of positions beyond the cloth the nearest
+    /// facet.
     pub fn cell_coordinates_of(&self, sheet: DVec3) -> ([i64; 2], DVec3) {
         let size = self.facet_mm();
         let place = (sheet - self.facet_low([0, 0])) / size;
@@ -324,8 +328,9 @@ impl FormMesh {
         })
     }
 
-    /// Where a ray of the world first meets the front from in front, or the back from behind: the surface through the flat cloth's
-    /// points of a height of the front, or of one of the back, mm. The sheet position (x, y), and whether it is the front.
+    /// Where a ray of the world first meets the front from in front, or the back from behind: the surface through the
+    /// flat cloth's points of a height of the front, or of one of the back, mm. The sheet position (x, y), and whether
+    /// it is the front.
     pub fn pick(&self, ray: &Ray, [front, back]: [f64; 2]) -> Option<(DVec2, bool)> {
         let mut nearest: Option<(f64, DVec2, bool)> = None;
         for facet in self.facets_along(ray) {
@@ -356,7 +361,8 @@ impl FormMesh {
         self.facets_where(|[low, high]| !clip_to_box(ray, whole, low, high).is_empty())
     }
 
-    /// The facets whose boxes, and all boxes around these, are `wanted`: told by their least and greatest corner, world, mm.
+    /// The facets whose boxes, and all boxes around these, are `wanted`, which is given their least and greatest
+    /// corner, world, mm.
     fn facets_where(&self, wanted: impl Fn([DVec3; 2]) -> bool) -> Vec<[i64; 2]> {
         let mut facets = Vec::new();
         self.add_facets_where(&wanted, self.levels.len() - 1, [0, 0], &mut facets);
@@ -395,8 +401,8 @@ impl FormMesh {
             .sum()
     }
 
-    /// Calls `visit` with the faces of a facet's tetrahedra that are the cloth's outside: which tetrahedron, the face's corners, and
-    /// the corner opposite to it, world, mm.
+    /// Calls `visit` with the faces of a facet's tetrahedra that are the cloth's outside: which tetrahedron, the face's
+    /// corners, and the corner opposite to it, world, mm.
     pub fn outer_faces(
         &self,
         facet: [i64; 2],
@@ -450,8 +456,8 @@ impl FormMesh {
     }
 }
 
-/// About the box around the cloth of a design that is not level, world, mm: of some points of its surface, as high and as low as
-/// its loops may be. `None` also for designs with faults, and for forms that have no room for the pile.
+/// About the box around the cloth of a design that is not level, world, mm: of some points of its surface, as high and
+/// as low as its loops may be. `None` also for designs with faults, and for forms that have no room for the pile.
 pub fn bent_box(design: &Design) -> Option<[DVec3; 2]> {
     /// Points along each side.
     const POINTS: u32 = 48;

@@ -92,8 +92,8 @@ impl Surface {
                         path: "form.layers".into(),
                         value: form.layers.to_string(),
                         allowed: format!(
-                            "so few layers that the {turned:.0} mm in the folds between them are less than the {length:.0} mm \
-                             of cloth"
+                            "so few layers that the {turned:.0} mm in the folds between them are less than the \
+                             {length:.0} mm of cloth"
                         ),
                     });
                 }

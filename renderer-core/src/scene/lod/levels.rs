@@ -1,10 +1,10 @@
 //! Levels of detail within one picture: the cloth several times, each one LOD coarser than the one before (see
 //! [`LodRegion`](super::LodRegion)), for pixels that see it from farther and farther away.
 //!
-//! Each sample of a pixel is drawn in one level. Where a row of pixels needs the cloth finer than one level and less fine than
-//! another, its samples are shared out between the two, so that neither a line in a picture nor a step in a zoom shows where
-//! levels change. Rows are enough: cameras of level cloth do not roll, so all pixels of a row see the plane through its pile
-//! equally far ahead.
+//! Each sample of a pixel is drawn in one level. Where a row of pixels needs the cloth finer than one level and less
+//! fine than another, its samples are shared out between the two, so that neither a line in a picture nor a step in a
+//! zoom shows where levels change. Rows are enough: cameras of level cloth do not roll, so all pixels of a row see the
+//! plane through its pile equally far ahead.
 
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -68,8 +68,8 @@ pub struct Level {
     pub camera: Camera,
 }
 
-/// How fine the rows of a picture need the cloth: 1 as fine as the first level, ½ as the second, ¼ as the third. Linear from
-/// row to row, as the inverse of the distance to a plane is; 0 and less above its horizon.
+/// How fine the rows of a picture need the cloth: 1 as fine as the first level, ½ as the second, ¼ as the third. Linear
+/// from row to row, as the inverse of the distance to a plane is; 0 and less above its horizon.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LodSelector {
     /// At the picture's top edge.

@@ -40,8 +40,8 @@ pub struct LodPlan {
     loop_pixels: f64,
 }
 
-/// [`LodPlan::loop_pixels`] unless that takes too many loops: 64 of them in a pixel vary so little that a zoom from level to
-/// level shows no more change from frame to frame than the cloth itself (measured in the tests of levels).
+/// [`LodPlan::loop_pixels`] unless that takes too many loops: 64 of them in a pixel vary so little that a zoom from
+/// level to level shows no more change from frame to frame than the cloth itself (measured in the tests of levels).
 const LOOP_PIXELS: f64 = 0.125;
 /// By how much it grows until there are few enough.
 const GROWTH: f64 = std::f64::consts::SQRT_2;
@@ -55,7 +55,8 @@ impl LodPlan {
         }
     }
 
-    /// What a picture of `size` pixels shows of a design. Regions of the `last` plan are kept while they hold what is seen.
+    /// What a picture of `size` pixels shows of a design. Regions of the `last` plan are kept while they hold what is
+    /// seen.
     pub fn new(
         design: &Design,
         camera: &Camera,

@@ -1,14 +1,14 @@
-//! LOD regions: the part of a large cloth that one picture shows, made as fine as the picture shows it. So cloth has no end, and a
-//! scene is as large as its picture, not as the cloth.
+//! LOD regions: the part of a large cloth that one picture shows, made as fine as the picture shows it. So cloth has no
+//! end, and a scene is as large as its picture, not as the cloth.
 //!
 //! A cloth seen from far away is drawn at LOD n: with 2ⁿ times fewer loops along each side, each the copy of a real one
-//! out of its 2ⁿ × 2ⁿ neighbours, in the mean of their colours, and 2ⁿ times as large in every direction. Light goes through pile
-//! that is grown evenly as it goes through the pile itself, since extinction times length stays what it is: the mean radiance of a
-//! pixel that covers many loops is the same from every side and under every light, which it is not if densities are averaged (what
-//! passes between two loops does not pass through their mean). What changes is the texture below a pixel, and the noise that is
-//! left of it; and light that is lost between loops of unlike colours is not lost where these are mixed.
-//! In place of growing the loops, the world shrinks: the region's scene has the cloth's own loops, volumes and ground weave, and
-//! its camera stands 2ⁿ times as near.
+//! out of its 2ⁿ × 2ⁿ neighbours, in the mean of their colours, and 2ⁿ times as large in every direction. Light goes
+//! through pile that is grown evenly as it goes through the pile itself, since extinction times length stays what it
+//! is: the mean radiance of a pixel that covers many loops is the same from every side and under every light, which it
+//! is not if densities are averaged (what passes between two loops does not pass through their mean). What changes is
+//! the texture below a pixel, and the noise that is left of it; and light that is lost between loops of unlike colours
+//! is not lost where these are mixed. In place of growing the loops, the world shrinks: the region's scene has the
+//! cloth's own loops, volumes and ground weave, and its camera stands 2ⁿ times as near.
 //!
 //! Level cloth only. Lengths in mm.
 
@@ -19,11 +19,12 @@ use crate::geometry::{Camera, Projection};
 use crate::sampling::hash_with;
 use crate::scene::SheetGeometry;
 
-/// Shortest waves of the texture of cloth at LOD 1 and beyond, in its loops, that keep their size in the cloth: some pixels.
+/// Shortest waves of the texture of cloth at LOD 1 and beyond, in its loops, that keep their size in the cloth: some
+/// pixels.
 const SEEN_WAVE: f64 = 16.0;
 
-/// Height of the tips of the pile, as a share of its length: it leans. Views along the cloth see little else of it, and levels
-/// whose tips lie elsewhere would draw twice what a chart draws, side by side.
+/// Height of the tips of the pile, as a share of its length: it leans. Views along the cloth see little else of it, and
+/// levels whose tips lie elsewhere would draw twice what a chart draws, side by side.
 const TIPS: f64 = 0.8;
 
 /// Cells along each side, out of all that a cell at some LOD covers, whose colours are mixed.
@@ -81,8 +82,8 @@ impl LodRegion {
             })
     }
 
-    /// The cell of the whole cloth whose loops stand in cell (i, j) of the region: one of those that it covers, by chance, so
-    /// that lengths and kinds keep their shares.
+    /// The cell of the whole cloth whose loops stand in cell (i, j) of the region: one of those that it covers, by
+    /// chance, so that lengths and kinds keep their shares.
     pub fn original(&self, i: usize, j: usize) -> [usize; 2] {
         let (hash, side) = (self.hash(i, j), 1_u32 << self.lod);
         self.within(i, j, [0, 1].map(|axis| hash_with(hash, axis) & (side - 1)))
@@ -119,8 +120,9 @@ impl LodRegion {
         })
     }
 
-    /// The design of the region: what is told of cloth, and not of yarn, shrinks with the world. Chart and nap map stay
-    /// those of the whole cloth: their cells are [`Self::original`]. Area lights are moved by [`Self::region_from_world`].
+    /// The design of the region: what belongs to the cloth, and not to its yarn, shrinks with the world. Chart and nap
+    /// map stay those of the whole cloth: their cells are [`Self::original`]. Area lights are moved by
+    /// [`Self::region_from_world`].
     pub(in crate::scene) fn design(&self, whole: &Design) -> Design {
         let mut design = whole.clone();
         [design.sheet.warps, design.sheet.wefts] = self.cells;
@@ -131,9 +133,9 @@ impl LodRegion {
         design
     }
 
-    /// How long waves of the cloth's texture are that have this length in the cloth, mm. Waves that can be seen keep their size in
-    /// the cloth. Shorter ones keep theirs in loops: how alike neighbours lie decides how bright pile is (a tenth, where waves of
-    /// five loops shrink to two).
+    /// How long waves of the cloth's texture are that have this length in the cloth, mm. Waves that can be seen keep
+    /// their size in the cloth. Shorter ones keep theirs in loops: how alike neighbours lie decides how bright pile is
+    /// (a tenth, where waves of five loops shrink to two).
     fn texture_mm(&self, design: &Design, mm: f64) -> f64 {
         let pitch = design.sheet.pitch_x().max(design.sheet.pitch_y());
         (mm * self.scale()).max(mm.min(SEEN_WAVE * pitch))
@@ -171,8 +173,8 @@ impl LodRegion {
         DVec3::new(of_axis(0), of_axis(1), z)
     }
 
-    /// The camera that sees in the region's scene what `camera` sees of the cloth. The tips of the pile on its side of the cloth
-    /// stay where they are in the picture.
+    /// The camera that sees in the region's scene what `camera` sees of the cloth. The tips of the pile on its side of
+    /// the cloth stay where they are in the picture.
     pub fn camera(&self, design: &Design, camera: &Camera) -> Camera {
         let tips_mm = TIPS * design.length.longest().min(design.pile.max_length);
         let eye = self.region_from_world(design, camera.eye, tips_mm.copysign(camera.eye.z));

@@ -1,4 +1,5 @@
-//! From a design to what a picture of it is made from: the scenes of its levels of detail, and the camera in the space of each.
+//! From a design to what a picture of it is made from: the scenes of its levels of detail, and the camera in the space
+//! of each.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -48,8 +49,8 @@ impl LodCloth {
     }
 }
 
-/// Makes cloth for one picture after another and keeps what did not change: a compiler for the whole cloth and one for each level
-/// of detail.
+/// Makes cloth for one picture after another and keeps what did not change: a compiler for the whole cloth and one for
+/// each level of detail.
 #[derive(Debug, Default)]
 pub struct LodCompiler {
     whole: Compiler,

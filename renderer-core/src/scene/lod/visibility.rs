@@ -67,8 +67,8 @@ impl<'a> Visibility<'a> {
         [(-half).extend(low), half.extend(high)]
     }
 
-    /// Where rays of some rows pass the cloth: their place from the picture's top as a share of its height, and where they
-    /// enter and leave the box around the cloth.
+    /// Where rays of some rows pass the cloth: their place from the picture's top as a share of its height, and where
+    /// they enter and leave the box around the cloth.
     fn passages(&self, lod: u32, [top, bottom]: Rows) -> impl Iterator<Item = (f64, DVec3)> {
         let [low, high] = self.cloth_box(lod);
         let share = |index: u32| f64::from(index) / f64::from(RAYS);

@@ -1,9 +1,10 @@
 //! Scene: a design resolved into what a renderer draws, in millimetres, radians and linear light.
 //!
-//! [`compile`] carries out steps 1 and 2 of the paper's §6: the skeleton with its stitch plan, and the yarn loop
-//! frames. Every part is a [`Section`]; a part whose inputs did not change keeps its `Arc`, and with it the GPU
-//! buffer made from it. All backends read the same records: [`LoopShape`], [`LoopLook`], [`BlockHeader`],
-//! [`BlockEntry`] and the voxels of [`Volumes`] are the scene, whatever precision a backend computes with.
+//! [`compile`] carries out steps 1 and 2 of §6 of the paper (Yi Wang, "A Layered Method for Realistic Rendering of
+//! Towels and Carpets"): the skeleton with its stitch plan, and the yarn loop frames. Every part is a [`Section`]; a
+//! part whose inputs did not change keeps its `Arc`, and with it the GPU buffer made from it. All backends read the
+//! same records: [`LoopShape`], [`LoopLook`], [`BlockHeader`], [`BlockEntry`] and the voxels of [`Volumes`] are the
+//! scene, whatever precision a backend computes with.
 //!
 //! [`lod`] plans which parts of a large cloth a picture needs, and how fine.
 //!

@@ -32,8 +32,8 @@ struct Slice {
     // Display: 2^exposure, and TONE_*.
     tone_map: u32,
     exposure_scale: f32,
-    // The scattering at which the light of further ones is estimated, with CLOSING.
-    closing_bounce: u32,
+    // The scattering at which the light of further ones is estimated, with PATH_CUTOFF.
+    path_cutoff: u32,
     // Longest piece of a ray that METHOD_EXACT takes as uniform, mm.
     step: f32,
     // First samples whose shadows may come from a cache, with CACHED_SHADOWS.

@@ -64,7 +64,7 @@ override PHASE: u32 = 0u;
 // More than one scattering is allowed.
 override LONG_PATHS: bool = false;
 // The light of further scatterings is estimated at some point of a path, not traced.
-override CLOSING: bool = false;
+override PATH_CUTOFF: bool = false;
 // Densities blend from layer to layer; else layers are slabs.
 override LINEAR_LAYERS: bool = true;
 // Layers of the loop volumes.

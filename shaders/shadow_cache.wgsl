@@ -31,16 +31,16 @@ fn known_shadow(entry: u32, random: ptr<function, Pcg>) -> vec2<f32> {
         }
     }
     let direct = f32(mean & 0x7fffu) / SHADOW_MEAN_STEPS;
-    let even = f32((mean >> 15u) & 0x7fffu) / SHADOW_MEAN_STEPS;
-    return vec2<f32>(direct, pow(even, 1.0 / BOUNCED_MIDDLE.z));
+    let diffuse = f32((mean >> 15u) & 0x7fffu) / SHADOW_MEAN_STEPS;
+    return vec2<f32>(direct, pow(diffuse, 1.0 / SCATTERING_MODE_MIDDLE.z));
 }
 
 fn learn_shadow(entry: u32, visibility: f32) {
-    let even = pow(max(visibility, BOUNCED_FLOOR), BOUNCED_MIDDLE.z);
+    let diffuse = pow(max(visibility, SCATTERING_FLOOR), SCATTERING_MODE_MIDDLE.z);
     let texels = slice.shadow_texels;
     let entries = texels.x * texels.y * texels.z * texels.w;
     let sums = SHADOWS_FROM + entries + 3u * entry;
     atomicAdd(&totals[sums], 1u);
     atomicAdd(&totals[sums + 1u], u32(visibility * SHADOW_STEPS + 0.5));
-    atomicAdd(&totals[sums + 2u], u32(even * SHADOW_STEPS + 0.5));
+    atomicAdd(&totals[sums + 2u], u32(diffuse * SHADOW_STEPS + 0.5));
 }

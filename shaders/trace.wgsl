@@ -84,8 +84,8 @@ fn scatter_in(
 fn lit(at: Scatter, turn: Turn, towards_eye: vec3<f32>, bounce: u32, seed: u32, sample: u32, random: ptr<function, Pcg>) -> vec3<f32> {
     var sum = vec3<f32>();
     // `tracked`, and later scatterings, meet the environment where a path escapes, unless it is drawn.
-    let closing = CLOSING && bounce == slice.closing_bounce;
-    let sky = ENVIRONMENT && (DRAWN_SKY || closing || (METHOD != METHOD_TRACKED && bounce == 1u));
+    let is_cut_off = PATH_CUTOFF && bounce == slice.path_cutoff;
+    let sky = ENVIRONMENT && (DRAWN_SKY || is_cut_off || (METHOD != METHOD_TRACKED && bounce == 1u));
     let sources = SUN_COUNT + AREA_COUNT;
     let lights = sources + u32(sky);
     let cached = CACHED_SHADOWS && sample < slice.cached_shadows;
@@ -101,21 +101,21 @@ fn lit(at: Scatter, turn: Turn, towards_eye: vec3<f32>, bounce: u32, seed: u32, 
         var towards_light: vec3<f32>;
         // By the light itself, and by bounced light that comes evenly from all sides.
         var share: vec3<f32>;
-        var even_share: vec3<f32>;
+        var diffuse_share: vec3<f32>;
         // Directions by a sky's light see other shadows than those by the phase.
         let known = entry + i + u32(DRAWN_SKY && !is_source && u.x >= PHASE_SHARE);
         if is_source {
             let light = from_lamp(i, at, u.xy);
             towards_light = sheet_from_world(turn, light.direction);
             share = scattered(at, towards_eye, towards_light) * light.irradiance;
-            even_share = at.albedo * light.irradiance * (0.25 / PI);
+            diffuse_share = at.albedo * light.irradiance * (0.25 / PI);
         } else {
             let drawn = draw_sky(at, turn, towards_eye, u);
             towards_light = drawn.direction;
             share = drawn.weight * environment_radiance(world_from_sheet(turn, drawn.direction));
-            even_share = share;
+            diffuse_share = share;
         }
-        if closing || max(max(share.x, share.y), share.z) > 0.0 {
+        if is_cut_off || max(max(share.x, share.y), share.z) > 0.0 {
             // As direct light needs it, and as bounced light does.
             var visible = vec2<f32>(-1.0);
             if cached {
@@ -131,8 +131,8 @@ fn lit(at: Scatter, turn: Turn, towards_eye: vec3<f32>, bounce: u32, seed: u32, 
                 }
             }
             sum += share * visible.x;
-            if closing {
-                sum += even_share * bounced(at, towards_light, visible.y);
+            if is_cut_off {
+                sum += diffuse_share * multiple_scattering(at, towards_light, visible.y);
             }
         }
     }
@@ -165,7 +165,7 @@ fn trace_path(camera_ray: Ray, film: vec4<f32>, seed: u32, sample: u32) -> Path 
         let towards_eye = sheet_from_world(turn, -ray.direction);
         path.radiance += throughput * lit(at, turn, towards_eye, bounce, seed, sample, &random);
 
-        if CLOSING && bounce == slice.closing_bounce {
+        if PATH_CUTOFF && bounce == slice.path_cutoff {
             break;
         }
         // The way on: to the environment if it escapes, else to the next scattering.

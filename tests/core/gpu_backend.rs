@@ -10,7 +10,7 @@ use renderer_core::design::{
     Colour, Design, EnvironmentImage, EnvironmentKind, EnvironmentReader, LengthMap, Method, Phase,
     SkeletonHeight, ToneMap,
 };
-use renderer_core::gpu::needs::SceneNeeds;
+use renderer_core::gpu::pipeline_key::PipelineKey;
 use renderer_core::gpu::{DeviceWatch, GpuBackend, GpuContext, wanted_features};
 use renderer_core::image::{Display, Picture};
 use renderer_core::render::{Backend, Optimisation, RenderError, Settings};
@@ -218,27 +218,27 @@ fn a_pipeline_with_everything_in_it_draws_the_same() {
             .optimisations
             .without(Optimisation::UnusedShading);
         let needs = [&request.settings, &Settings::from(&design.quality)]
-            .map(|settings| SceneNeeds::new(request.scene(), settings, false));
+            .map(|settings| PipelineKey::new(request.scene(), settings, false));
         assert_ne!(needs[0], needs[1]);
         assert_eq!(bits(&finish(&mut gpu, &request)), bits(&special));
     }
 }
 
 #[test]
-fn a_bare_sample_costs_little_and_leaves_nothing_behind() {
+fn a_baseline_sample_costs_little_and_leaves_nothing_behind() {
     let request = request(&small_towel(), [150, 130]);
     let mut backend = gpu();
     let picture = finish(&mut backend, &request);
     backend.begin(&request).unwrap();
     let start = Instant::now();
-    let bare = backend.bare_sample().unwrap().expect("on a GPU");
+    let bare = backend.baseline_sample().unwrap().expect("on a GPU");
     // Some 80 samples were drawn in that time.
     assert!(
         bare > Duration::ZERO && bare < start.elapsed() / 20,
         "{bare:?}"
     );
     assert_eq!(bits(&finish(&mut backend, &request)), bits(&picture));
-    assert_eq!(CpuBackend::default().bare_sample().unwrap(), None);
+    assert_eq!(CpuBackend::default().baseline_sample().unwrap(), None);
 }
 
 #[test]

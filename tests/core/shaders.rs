@@ -5,8 +5,8 @@ use naga::back::pipeline_constants::process_overrides;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Expression, Function, Handle, TypeInner};
 use renderer_core::design::{Method, Phase, SkeletonHeight, SkeletonShading};
-use renderer_core::gpu::needs::SceneNeeds;
-use renderer_core::gpu::shaders::{Composed, ERROR, Part, RESOLVE, SETTLE, TRACE};
+use renderer_core::gpu::pipeline_key::PipelineKey;
+use renderer_core::gpu::shaders::{Composed, ERROR, FINALISE, Part, RESOLVE, TRACE};
 
 /// The portable core: nothing that a WebGPU device may lack.
 fn validator() -> Validator {
@@ -43,7 +43,7 @@ fn specialise(module: &naga::Module, entry: &str, constants: &[(&str, f64)]) {
         .unwrap_or_else(|error| panic!("{entry} {constants:?}: {error:?}"));
 }
 
-fn all_needs() -> Vec<SceneNeeds> {
+fn all_needs() -> Vec<PipelineKey> {
     let mut all = Vec::new();
     let skeletons = [
         None,
@@ -55,7 +55,7 @@ fn all_needs() -> Vec<SceneNeeds> {
             for skeleton in skeletons {
                 for flags in 0..1 << 7 {
                     let on = |bit: u32| flags >> bit & 1 == 1;
-                    all.push(SceneNeeds {
+                    all.push(PipelineKey {
                         method,
                         phase,
                         skeleton,
@@ -68,7 +68,7 @@ fn all_needs() -> Vec<SceneNeeds> {
                         areas: if on(3) == on(2) { 4 } else { 0 },
                         environment: on(4),
                         shadows: on(4) == on(6),
-                        closing: on(5),
+                        path_cutoff: on(5),
                         owen: on(3) == on(5),
                         sky: flags % 3,
                         drawn_sky: on(4) && flags % 3 == 2 && on(1),
@@ -98,7 +98,7 @@ fn the_tracing_program_is_valid_for_every_combination_of_needs() {
             specialise(&module, "trace_main", &needs.constants());
         }
     }
-    specialise(&module, "bare_main", &all_needs()[0].constants());
+    specialise(&module, "baseline_main", &all_needs()[0].constants());
 }
 
 #[test]
@@ -125,7 +125,7 @@ fn the_small_programs_are_valid() {
         specialise(&resolve, "resolve_linear", &constants);
         specialise(&parse(ERROR), "error_main", &constants);
     }
-    specialise(&parse(SETTLE), "settle_main", &[]);
+    specialise(&parse(FINALISE), "finalise_main", &[]);
 }
 
 /// All functions of a module with their names.
@@ -167,7 +167,7 @@ fn indexed_in_registers(module: &naga::Module) -> Vec<String> {
 
 #[test]
 fn no_value_in_registers_is_indexed_by_a_variable() {
-    for parts in [TRACE, RESOLVE, ERROR, SETTLE] {
+    for parts in [TRACE, RESOLVE, ERROR, FINALISE] {
         let indexed = indexed_in_registers(&parse(parts));
         let program = parts.last().expect("has parts").0;
         assert_eq!(indexed, Vec::<String>::new(), "{program}");
@@ -237,7 +237,7 @@ fn variables_of_the_tracing_program_are_few() {
 
 #[test]
 fn entry_points_stand_in_the_files_that_say_so() {
-    for parts in [TRACE, RESOLVE, ERROR, SETTLE] {
+    for parts in [TRACE, RESOLVE, ERROR, FINALISE] {
         for (name, text) in parts {
             let says = text.starts_with("// ENTRY ");
             assert_eq!(says, text.contains("@compute"), "shaders/{name}");

@@ -72,7 +72,7 @@ impl<'a> PathTracer<'a> {
         let tracer = self.tracer;
         let settings = &tracer.settings;
         let lights = &tracer.cloth.scene.lights;
-        let closing_bounce = settings.closing_bounce();
+        let path_cutoff = settings.path_cutoff();
         let has_environment = lights.environment != [0.0; 3];
         let is_drawn = lights.sky.drawn().is_some();
         let [x, y, pick, _] = self.random(Set::Film);
@@ -110,7 +110,7 @@ impl<'a> PathTracer<'a> {
                 break;
             }
             let view = vertex.sheet_direction(-ray.direction);
-            let closing = closing_bounce == Some(bounce);
+            let closing = path_cutoff == Some(bounce);
             let gather = Gather {
                 bounce,
                 composited,

@@ -315,7 +315,7 @@ impl Accumulation {
             lattice_after: 0,
             tone_map: 0,
             exposure_scale: 1.0,
-            closing_bounce: request.settings.closing_bounce().unwrap_or(0),
+            path_cutoff: request.settings.path_cutoff().unwrap_or(0),
             step: request.settings.step_mm as f32,
             cached_shadows: request.settings.cached_shadows,
             level: 0,

@@ -13,11 +13,12 @@ use crate::render::{
 
 use super::GpuContext;
 use super::accumulation::Accumulation;
+use super::bindings::{self, entry, record_dispatch, slice_buffer};
 use super::layout::{TONE_FILMIC, TONE_NONE};
-use super::needs::SceneNeeds;
-use super::pipelines::{Pipelines, binding};
-use super::readback::{self, dispatch, entry, slice_buffer};
-use super::schedule::{Drawn, Job, Pace, Schedule};
+use super::pipeline_key::PipelineKey;
+use super::pipelines::Pipelines;
+use super::readback;
+use super::schedule::{Dispatch, Drawn, Pace, Schedule};
 use super::shadow_memory::ShadowMemory;
 use super::upload::SceneBuffers;
 
@@ -38,14 +39,14 @@ pub struct GpuBackend {
     display: Option<wgpu::Texture>,
     filter_f32: bool,
     /// The pipeline that draws no more than rays and sums, and what it is for.
-    bare: Option<(SceneNeeds, wgpu::ComputePipeline)>,
+    baseline: Option<(PipelineKey, wgpu::ComputePipeline)>,
 }
 
 /// A picture in the making.
 #[derive(Debug)]
 struct Work {
     request: RenderRequest,
-    needs: SceneNeeds,
+    key: PipelineKey,
     accumulation: Accumulation,
     schedule: Schedule,
     error_estimate: Option<f64>,
@@ -69,7 +70,7 @@ impl GpuBackend {
             shadows: Vec::new(),
             display: None,
             filter_f32: false,
-            bare: None,
+            baseline: None,
         })
     }
 
@@ -99,7 +100,7 @@ impl GpuBackend {
             let old = old.or(scenes.first()).or(self.scenes.first());
             scenes.push(SceneBuffers::new(
                 context,
-                &self.pipelines,
+                &self.pipelines.scene_layout,
                 request.scene(),
                 old,
             )?);
@@ -114,26 +115,31 @@ impl GpuBackend {
     }
 
     /// Draws nothing but rays and sums, of all tiles that are drawn.
-    fn draw_bare(&mut self, samples: u32) -> Result<(), RenderError> {
+    fn draw_baseline(&mut self, samples: u32) -> Result<(), RenderError> {
         let Some(work) = &mut self.work else {
             return Ok(());
         };
         let trace = &self.pipelines.trace;
-        let pipeline = match &self.bare {
-            Some((needs, pipeline)) if *needs == work.needs => pipeline,
-            _ => &self.bare.insert((work.needs, trace.bare(work.needs)?)).1,
+        let pipeline = match &self.baseline {
+            Some((key, pipeline)) if *key == work.key => pipeline,
+            _ => {
+                &self
+                    .baseline
+                    .insert((work.key, trace.baseline(work.key)?))
+                    .1
+            }
         };
         let mut place = 0;
         while place < work.accumulation.drawn_count() {
             let (_, end) = work.accumulation.buffer_of(place);
-            let end = end.min(place + Job::MOST_TILES);
-            let job = Job {
+            let end = end.min(place + Dispatch::MOST_TILES);
+            let dispatch = Dispatch {
                 tiles: place..end,
                 samples: 0..samples,
                 stride: 0,
             };
             let (pipeline, scenes) = ((pipeline, trace.group()), &self.scenes);
-            work.draw(&self.context, pipeline, scenes, &job, &[])?;
+            work.draw(&self.context, pipeline, scenes, &dispatch, &[])?;
             place = end;
         }
         Ok(())
@@ -196,15 +202,15 @@ impl GpuBackend {
                     let slice = slice_buffer(context, &slice);
                     let mut encoder = context.encoder();
                     let entries = [
-                        entry(binding::SUMS, &buffer.buffer),
-                        entry(binding::SLICE, &slice),
-                        entry(binding::TILE_ENDS, &work.accumulation.tile_ends),
+                        entry(bindings::SUMS, &buffer.buffer),
+                        entry(bindings::SLICE, &slice),
+                        entry(bindings::TILE_ENDS, &work.accumulation.tile_ends),
                         wgpu::BindGroupEntry {
-                            binding: binding::DISPLAY,
+                            binding: bindings::DISPLAY,
                             resource: wgpu::BindingResource::TextureView(&view),
                         },
                     ];
-                    dispatch(context, &mut encoder, made, &entries, workgroups);
+                    record_dispatch(context, &mut encoder, made, &entries, workgroups);
                     context.queue.submit([encoder.finish()]);
                 })?;
             }
@@ -300,18 +306,18 @@ impl Work {
         context: &GpuContext,
         (pipeline, layout): (&wgpu::ComputePipeline, &wgpu::BindGroupLayout),
         scenes: &[SceneBuffers],
-        job: &Job,
+        dispatch: &Dispatch,
         shadows: &[Option<ShadowMemory>],
     ) -> Result<(), RenderError> {
-        let (buffer, _) = self.accumulation.buffer_of(job.tiles.start);
+        let (buffer, _) = self.accumulation.buffer_of(dispatch.tiles.start);
         let mut slice = self
             .accumulation
-            .slice(&self.request, buffer, job.tiles.clone());
-        slice.first_sample = job.samples.start;
-        slice.end_sample = job.samples.end;
-        slice.stride = job.stride;
-        slice.pixels_per_tile = job.pixels_per_tile();
-        let rows = self.accumulation.rows_of(&job.tiles);
+            .slice(&self.request, buffer, dispatch.tiles.clone());
+        slice.first_sample = dispatch.samples.start;
+        slice.end_sample = dispatch.samples.end;
+        slice.stride = dispatch.stride;
+        slice.pixels_per_tile = dispatch.pixels_per_tile();
+        let rows = self.accumulation.rows_of(&dispatch.tiles);
         let [from, to] = rows.map(|row| slice.corner[1] + row);
         let levels = self
             .request
@@ -334,22 +340,22 @@ impl Work {
                         label: Some("slice"),
                         layout,
                         entries: &[
-                            entry(binding::RAY_TILES, &of_level.rays),
-                            entry(binding::SUMS, &buffer.buffer),
-                            entry(binding::SLICE, &slice),
-                            entry(binding::TOTALS, &of_level.totals),
+                            entry(bindings::RAY_TILES, &of_level.rays),
+                            entry(bindings::SUMS, &buffer.buffer),
+                            entry(bindings::SLICE, &slice),
+                            entry(bindings::TOTALS, &of_level.totals),
                         ],
                     });
                 let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
                 pass.set_pipeline(pipeline);
                 pass.set_bind_group(0, &scene.group, &[]);
                 pass.set_bind_group(1, &group, &[]);
-                pass.dispatch_workgroups(job.workgroups(), 1, 1);
+                pass.dispatch_workgroups(dispatch.workgroups(), 1, 1);
             }
             encoder
         })?;
         context.submit_and_wait(encoder)?;
-        self.schedule.finish(job);
+        self.schedule.finish(dispatch);
         Ok(())
     }
 }
@@ -371,7 +377,7 @@ impl Backend for GpuBackend {
         if work.pipeline.is_none() {
             let never = AtomicBool::new(false);
             let trace = &self.pipelines.trace;
-            work.pipeline = trace.wait(work.needs, &scene.group, None, &never)?;
+            work.pipeline = trace.wait(work.key, &scene.group, None, &never)?;
         }
         Ok(())
     }
@@ -396,15 +402,15 @@ impl Backend for GpuBackend {
             return Ok(());
         };
         let accumulation = Accumulation::new(&self.context, request, before, &self.shadows)?;
-        let needs = SceneNeeds {
+        let key = PipelineKey {
             cached_shadows: self.shadows.iter().all(Option::is_some),
             levels: request.level_count() > 1,
-            ..SceneNeeds::new(request.scene(), &request.settings, self.filter_f32)
+            ..PipelineKey::new(request.scene(), &request.settings, self.filter_f32)
         };
-        let pipeline = self.pipelines.trace.get(needs, &scene.group)?;
+        let pipeline = self.pipelines.trace.get(key, &scene.group)?;
         self.work = Some(Work {
             request: request.clone(),
-            needs,
+            key,
             schedule: Schedule::new(accumulation.drawn_count()),
             error_estimate: accumulation.is_background().then_some(0.0),
             accumulation,
@@ -424,7 +430,7 @@ impl Backend for GpuBackend {
         if work.pipeline.is_none() {
             let deadline = start.checked_add(slice);
             let trace = &self.pipelines.trace;
-            work.pipeline = trace.wait(work.needs, &scene.group, deadline, cancel)?;
+            work.pipeline = trace.wait(work.key, &scene.group, deadline, cancel)?;
         }
         let Some(pipeline) = work.pipeline.clone() else {
             return Ok(work.progress());
@@ -438,23 +444,29 @@ impl Backend for GpuBackend {
             let samples = work.schedule.samples();
             // Samples that learn shadows from each other come one by one. On software Vulkan all do: Mesa's ends the loops
             // of a thread, whatever they are about, once they have made 65 536 turns together.
-            let caches = work.needs.cached_shadows;
+            let caches = work.key.cached_shadows;
             let learns = caches && settings.caches_shadows(samples);
             let most = if learns || self.context.is_software() {
                 samples + 1
             } else {
                 settings.samples
             };
-            let job = work.schedule.next(paths, most, buffer_end);
+            let dispatch = work.schedule.next(paths, most, buffer_end);
             let begun = Instant::now();
             let pipeline = (&pipeline, self.pipelines.trace.group());
-            work.draw(&self.context, pipeline, &self.scenes, &job, &self.shadows)?;
-            self.pace.learn(job.paths(), begun.elapsed());
+            work.draw(
+                &self.context,
+                pipeline,
+                &self.scenes,
+                &dispatch,
+                &self.shadows,
+            )?;
+            self.pace.learn(dispatch.paths(), begun.elapsed());
             let before = samples;
             let samples = work.schedule.samples();
             if caches && samples > before && work.request.settings.caches_shadows(samples) {
                 for shadows in self.shadows.iter().flatten() {
-                    shadows.settle(&self.context, &mut self.pipelines)?;
+                    shadows.finalise(&self.context, &mut self.pipelines)?;
                 }
             }
             if work.schedule.is_between_passes() && has_estimate(samples) {
@@ -472,7 +484,7 @@ impl Backend for GpuBackend {
             return Ok(true);
         };
         if work.pipeline.is_none() {
-            work.pipeline = self.pipelines.trace.get(work.needs, &scene.group)?;
+            work.pipeline = self.pipelines.trace.get(work.key, &scene.group)?;
         }
         Ok(work.pipeline.is_some())
     }
@@ -501,15 +513,15 @@ impl Backend for GpuBackend {
         }
     }
 
-    fn bare_sample(&mut self) -> Result<Option<Duration>, RenderError> {
+    fn baseline_sample(&mut self) -> Result<Option<Duration>, RenderError> {
         // So many that the time between dispatches counts for nothing; the first pays for the driver's compiler.
         const SAMPLES: u32 = 16;
         const ROUNDS: u32 = 5;
-        self.draw_bare(1)?;
+        self.draw_baseline(1)?;
         let mut least = Duration::MAX;
         for _ in 0..ROUNDS {
             let start = Instant::now();
-            self.draw_bare(SAMPLES)?;
+            self.draw_baseline(SAMPLES)?;
             least = least.min(start.elapsed() / SAMPLES);
         }
         // Its sums are worth nothing now.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::DeviceWatch;
-use super::kept::{KeptPipelines, wanted_features};
+use super::pipeline_cache::{PipelineCache, wanted_features};
 use crate::render::RenderError;
 
 /// Device, queue and what is known of their adapter. Clones share them.
@@ -20,7 +20,7 @@ pub struct GpuContext {
     /// Whether the device is lost.
     pub watch: DeviceWatch,
     /// Where compiled pipelines are kept, if they are.
-    pub(super) kept: Option<Arc<KeptPipelines>>,
+    pub(super) pipeline_cache: Option<Arc<PipelineCache>>,
 }
 
 /// Storage buffers that the tracing pass reads and writes.
@@ -65,7 +65,7 @@ impl GpuContext {
             info: Arc::new(info),
             limits: Arc::new(limits),
             watch,
-            kept: None,
+            pipeline_cache: None,
         };
         context.check(
             "the number of storage buffers a shader needs",
@@ -73,6 +73,37 @@ impl GpuContext {
             context.limits.max_storage_buffers_per_shader_stage.into(),
         )?;
         Ok(context)
+    }
+
+    /// A name for this kind of device's pipelines, fit for a file; `None` where the driver gives none out.
+    pub fn pipelines_name(&self) -> Option<String> {
+        let features = self.device.features();
+        let can_keep = features.contains(wgpu::Features::PIPELINE_CACHE);
+        can_keep.then(|| wgpu::util::pipeline_cache_key(&self.info))?
+    }
+
+    /// Starts from pipelines kept earlier, and lets `save` keep what is made from now on. `bytes` must be what `save` was
+    /// given for a device of this [name](Self::pipelines_name), whole and unchanged: the caller sees to that, with a
+    /// checksum. Those of another version of driver or program are passed over. Whatever is wrong, pictures are made all the
+    /// same.
+    #[must_use]
+    pub fn keep_pipelines(
+        mut self,
+        bytes: Option<Vec<u8>>,
+        save: impl Fn(&[u8]) + Send + Sync + 'static,
+    ) -> Self {
+        if self.pipelines_name().is_none() {
+            return self;
+        }
+        let made = self.guarded(|| PipelineCache::new(&self.device, bytes, save));
+        self.pipeline_cache = match made {
+            Ok(cache) => Some(Arc::new(cache)),
+            Err(error) => {
+                tracing::warn!("pipelines are not kept: {error}");
+                None
+            }
+        };
+        self
     }
 
     /// True where the adapter is a processor in disguise: the cpu backend is faster then.
@@ -129,7 +160,7 @@ impl GpuContext {
         }
     }
 
-    /// What to tell of a failure: that the device is lost, where that is why.
+    /// What a failure is reported as: that the device is lost, where that is why.
     pub(super) fn failed(&self, error: &dyn std::fmt::Display) -> RenderError {
         match self.watch.lost() {
             Some(reason) => RenderError::Lost(reason.into()),

@@ -364,7 +364,7 @@ mirrors! {
         /// 2^exposure.
         exposure_scale: f32,
         /// Scattering at which further ones are estimated.
-        closing_bounce: u32,
+        path_cutoff: u32,
         /// Longest uniform piece of `exact`, mm.
         step: f32,
         /// First samples whose shadows may come from a cache.

@@ -4,10 +4,13 @@
 //! buffers), and samples are added to an accumulation in slices of tiles × samples under a time budget. The mean is
 //! resolved on the device: to a display texture for a window, or to linear pixels that are read back.
 //!
-//! - [`adapters`]: what this machine has. [`context`]: device and queue, own or another's. [`DeviceWatch`]: whether it is lost. [`layout`]: the only mirrors of WGSL structs.
-//! - [`shaders`]: the files of shaders/ put together. [`needs`]: what of them a scene uses. `pipelines`: the programs; `builder`: the
-//!   thread that compiles tracing pipelines; `kept`: compiled ones that outlive the program.
-//! - `upload`: a scene's buffers and textures. `accumulation`: the sums. `schedule`: what to draw next, and how much.
+//! - [`adapters`]: what this machine has. [`context`]: device and queue, own or another's. [`DeviceWatch`]: whether it is lost.
+//! - [`layout`]: the only mirrors of WGSL structs. `bindings`: what programs are bound to.
+//! - [`shaders`]: the files of shaders/ put together. `program`: one of them on the device. [`pipeline_key`]: what of the
+//!   tracing program a scene uses. `pipelines`: all programs; `pipeline_compiler`: the thread that compiles tracing
+//!   pipelines; `pipeline_cache`: compiled ones that outlive the program.
+//! - `scene_bindings`: what of a scene is bound, in one table, with `scene_constants` and `scene_textures`. `upload`: a scene on the
+//!   device. `accumulation`: the sums. `schedule`: what to draw next, and how much.
 //! - `readback`: pictures, error estimate and counters back on the host. [`backend`]: all of it as a
 //!   [`Backend`](crate::render::Backend).
 //!
@@ -16,14 +19,19 @@
 mod accumulation;
 mod adapters;
 pub mod backend;
-mod builder;
+mod bindings;
 pub mod context;
 mod highlight;
-mod kept;
 pub mod layout;
-pub mod needs;
+mod pipeline_cache;
+mod pipeline_compiler;
+pub mod pipeline_key;
 mod pipelines;
+mod program;
 mod readback;
+mod scene_bindings;
+mod scene_constants;
+mod scene_textures;
 mod schedule;
 pub mod shaders;
 mod shadow_memory;
@@ -33,5 +41,5 @@ mod watch;
 pub use adapters::{AdapterSummary, adapters};
 pub use backend::GpuBackend;
 pub use context::GpuContext;
-pub use kept::wanted_features;
+pub use pipeline_cache::wanted_features;
 pub use watch::DeviceWatch;

@@ -6,39 +6,12 @@ use std::collections::hash_map::Entry;
 use crate::render::RenderError;
 
 use super::GpuContext;
-use super::builder::Builder;
-use super::kept::KeptPipelines;
-use super::layout::{SceneConstants, Slice};
-use super::shaders::{Composed, ERROR, Part, RESOLVE, SETTLE, TRACE};
-
-/// Bindings of group 1; group 0 is the scene's.
-pub mod binding {
-    /// Ray tiles.
-    pub const RAY_TILES: u32 = 0;
-    /// Accumulation.
-    pub const SUMS: u32 = 1;
-    /// The slice.
-    pub const SLICE: u32 = 2;
-    /// Counters.
-    pub const TOTALS: u32 = 3;
-    /// Display texture.
-    pub const DISPLAY: u32 = 4;
-    /// Linear pixels to read back.
-    pub const LINEAR: u32 = 5;
-    /// Errors of tiles to read back.
-    pub const TILE_ERRORS: u32 = 6;
-    /// Where tiles ended.
-    pub const TILE_ENDS: u32 = 7;
-}
-
-/// A program and the layouts of its bindings.
-#[derive(Debug)]
-pub struct Program {
-    module: wgpu::ShaderModule,
-    layout: wgpu::PipelineLayout,
-    /// Layout of group 1.
-    pub group: wgpu::BindGroupLayout,
-}
+use super::bindings::{self, other, storage, uniform};
+use super::layout::Slice;
+use super::pipeline_compiler::PipelineCompiler;
+use super::program::Program;
+use super::scene_bindings;
+use super::shaders::{ERROR, FINALISE, RESOLVE, TRACE};
 
 /// All pipelines of a device.
 #[derive(Debug)]
@@ -46,157 +19,27 @@ pub struct Pipelines {
     /// Layout of group 0 of the tracing program.
     pub scene_layout: wgpu::BindGroupLayout,
     /// Makes the pipelines that add samples.
-    pub trace: Builder,
+    pub trace: PipelineCompiler,
     display: Program,
     linear: Program,
     error: Program,
-    settle: Program,
+    finalise: Program,
     /// Keyed by AOV.
     displays: HashMap<bool, wgpu::ComputePipeline>,
     linears: HashMap<bool, wgpu::ComputePipeline>,
     errors: HashMap<bool, wgpu::ComputePipeline>,
-    settled: Option<wgpu::ComputePipeline>,
-}
-
-fn storage(binding: u32, read_only: bool) -> wgpu::BindGroupLayoutEntry {
-    buffer(binding, wgpu::BufferBindingType::Storage { read_only }, 0)
-}
-
-fn uniform(binding: u32, size: usize) -> wgpu::BindGroupLayoutEntry {
-    buffer(binding, wgpu::BufferBindingType::Uniform, size)
-}
-
-fn buffer(binding: u32, ty: wgpu::BufferBindingType, size: usize) -> wgpu::BindGroupLayoutEntry {
-    wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: wgpu::ShaderStages::COMPUTE,
-        ty: wgpu::BindingType::Buffer {
-            ty,
-            has_dynamic_offset: false,
-            min_binding_size: std::num::NonZeroU64::new(size as u64),
-        },
-        count: None,
-    }
-}
-
-fn other(binding: u32, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {
-    wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: wgpu::ShaderStages::COMPUTE,
-        ty,
-        count: None,
-    }
-}
-
-fn volume(binding: u32) -> wgpu::BindGroupLayoutEntry {
-    other(
-        binding,
-        wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable: true },
-            view_dimension: wgpu::TextureViewDimension::D3,
-            multisampled: false,
-        },
-    )
-}
-
-/// A texture read texel by texel.
-fn table(binding: u32) -> wgpu::BindGroupLayoutEntry {
-    other(
-        binding,
-        wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable: false },
-            view_dimension: wgpu::TextureViewDimension::D2,
-            multisampled: false,
-        },
-    )
-}
-
-impl Program {
-    fn new(
-        context: &GpuContext,
-        parts: &[Part],
-        scene: Option<&wgpu::BindGroupLayout>,
-        entries: &[wgpu::BindGroupLayoutEntry],
-    ) -> Result<Self, RenderError> {
-        let device = &context.device;
-        let module = Composed::new(parts).compile(device)?;
-        context.guarded(|| {
-            let group = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label: None,
-                entries,
-            });
-            let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: None,
-                bind_group_layouts: &[scene, Some(&group)],
-                immediate_size: 0,
-            });
-            Self {
-                module,
-                layout,
-                group,
-            }
-        })
-    }
-
-    /// A pipeline with these values of its `override` constants.
-    pub fn pipeline(
-        &self,
-        context: &GpuContext,
-        entry_point: &str,
-        constants: &[(&str, f64)],
-    ) -> Result<wgpu::ComputePipeline, RenderError> {
-        context.guarded(|| {
-            context
-                .device
-                .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                    label: Some(entry_point),
-                    layout: Some(&self.layout),
-                    module: &self.module,
-                    entry_point: Some(entry_point),
-                    compilation_options: wgpu::PipelineCompilationOptions {
-                        constants,
-                        ..Default::default()
-                    },
-                    cache: context.kept.as_deref().map(KeptPipelines::cache),
-                })
-        })
-    }
+    finaliser: Option<wgpu::ComputePipeline>,
 }
 
 impl Pipelines {
     /// Reads all programs; pipelines are made when first used.
     pub fn new(context: &GpuContext) -> Result<Self, RenderError> {
-        let scene_layout = context.guarded(|| {
-            let entries = [
-                uniform(0, size_of::<SceneConstants>()),
-                storage(1, true),
-                storage(2, true),
-                storage(3, true),
-                storage(4, true),
-                storage(5, true),
-                table(6),
-                volume(7),
-                volume(8),
-                volume(9),
-                other(
-                    10,
-                    wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
-                ),
-                table(11),
-                table(12),
-            ];
-            context
-                .device
-                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                    label: Some("scene"),
-                    entries: &entries,
-                })
-        })?;
-        let sums = storage(binding::SUMS, false);
-        let slice = uniform(binding::SLICE, size_of::<Slice>());
-        let ends = storage(binding::TILE_ENDS, true);
+        let scene_layout = scene_bindings::layout(context)?;
+        let sums = storage(bindings::SUMS, false);
+        let slice = uniform(bindings::SLICE, size_of::<Slice>());
+        let ends = storage(bindings::TILE_ENDS, true);
         let display = other(
-            binding::DISPLAY,
+            bindings::DISPLAY,
             wgpu::BindingType::StorageTexture {
                 access: wgpu::StorageTextureAccess::WriteOnly,
                 format: wgpu::TextureFormat::Rgba8Unorm,
@@ -208,31 +51,31 @@ impl Pipelines {
             TRACE,
             Some(&scene_layout),
             &[
-                storage(binding::RAY_TILES, true),
+                storage(bindings::RAY_TILES, true),
                 sums,
                 slice,
-                storage(binding::TOTALS, false),
+                storage(bindings::TOTALS, false),
             ],
         )?;
         Ok(Self {
-            trace: Builder::new(context, trace)?,
+            trace: PipelineCompiler::new(context, trace)?,
             display: program(RESOLVE, None, &[sums, slice, ends, display])?,
             linear: program(
                 RESOLVE,
                 None,
-                &[sums, slice, ends, storage(binding::LINEAR, false)],
+                &[sums, slice, ends, storage(bindings::LINEAR, false)],
             )?,
             error: program(
                 ERROR,
                 None,
-                &[sums, slice, ends, storage(binding::TILE_ERRORS, false)],
+                &[sums, slice, ends, storage(bindings::TILE_ERRORS, false)],
             )?,
-            settle: program(SETTLE, None, &[storage(binding::TOTALS, false)])?,
+            finalise: program(FINALISE, None, &[storage(bindings::TOTALS, false)])?,
             scene_layout,
             displays: HashMap::new(),
             linears: HashMap::new(),
             errors: HashMap::new(),
-            settled: None,
+            finaliser: None,
         })
     }
 
@@ -264,12 +107,12 @@ impl Pipelines {
     }
 
     /// The pipeline that makes learned shadows known.
-    pub fn settle(&mut self, context: &GpuContext) -> Made<'_> {
-        let pipeline = match self.settled.take() {
+    pub fn finalise(&mut self, context: &GpuContext) -> Made<'_> {
+        let pipeline = match self.finaliser.take() {
             Some(pipeline) => pipeline,
-            None => self.settle.pipeline(context, "settle_main", &[])?,
+            None => self.finalise.pipeline(context, "finalise_main", &[])?,
         };
-        Ok((self.settled.insert(pipeline), &self.settle.group))
+        Ok((self.finaliser.insert(pipeline), &self.finalise.group))
     }
 }
 

@@ -8,8 +8,9 @@ use crate::render::{Counters, RenderError, RenderRequest};
 
 use super::GpuContext;
 use super::accumulation::{Accumulation, COUNTER_BYTES};
+use super::bindings::{self, entry, record_dispatch, slice_buffer};
 use super::layout::{self, COUNTERS_IN_ALL, Slice, TILE, TILE_PIXELS};
-use super::pipelines::{Pipelines, binding};
+use super::pipelines::Pipelines;
 use super::schedule::Drawn;
 
 /// Tiles that are read back at a time: 32 MiB of pixels, or 96 MiB with extra channels.
@@ -23,41 +24,6 @@ fn output_buffer(context: &GpuContext, size: u64) -> wgpu::Buffer {
         usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
         mapped_at_creation: false,
     })
-}
-
-/// A uniform buffer with one slice.
-pub fn slice_buffer(context: &GpuContext, slice: &Slice) -> wgpu::Buffer {
-    let buffer = context.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("slice"),
-        size: size_of::<Slice>() as u64,
-        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
-    context
-        .queue
-        .write_buffer(&buffer, 0, bytemuck::bytes_of(slice));
-    buffer
-}
-
-/// Binds the accumulation and one output, and dispatches.
-pub fn dispatch(
-    context: &GpuContext,
-    encoder: &mut wgpu::CommandEncoder,
-    (pipeline, layout): (&wgpu::ComputePipeline, &wgpu::BindGroupLayout),
-    entries: &[wgpu::BindGroupEntry<'_>],
-    workgroups: u32,
-) {
-    let group = context
-        .device
-        .create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout,
-            entries,
-        });
-    let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-    pass.set_pipeline(pipeline);
-    pass.set_bind_group(1, &group, &[]);
-    pass.dispatch_workgroups(workgroups, 1, 1);
 }
 
 /// Submits `encoder` with a copy of the first `size` bytes of `source` behind it, and returns the copy.
@@ -136,13 +102,13 @@ pub fn picture(
                 let output = output_buffer(context, pixels * vectors as u64 * 16);
                 let mut encoder = context.encoder();
                 let entries = [
-                    entry(binding::SUMS, &buffer.buffer),
-                    entry(binding::SLICE, &slice),
-                    entry(binding::TILE_ENDS, &accumulation.tile_ends),
-                    entry(binding::LINEAR, &output),
+                    entry(bindings::SUMS, &buffer.buffer),
+                    entry(bindings::SLICE, &slice),
+                    entry(bindings::TILE_ENDS, &accumulation.tile_ends),
+                    entry(bindings::LINEAR, &output),
                 ];
                 let workgroups = pixels.div_ceil(layout::WORKGROUP.into()) as u32;
-                dispatch(context, &mut encoder, made, &entries, workgroups);
+                record_dispatch(context, &mut encoder, made, &entries, workgroups);
                 read(context, encoder, &output, output.size())
             })??;
             let values = floats(&bytes);
@@ -174,14 +140,6 @@ pub fn show(slice: &mut Slice, drawn: Drawn) {
     (slice.samples_after, slice.lattice_after) = drawn.after;
 }
 
-/// A whole buffer at a binding.
-pub fn entry(binding: u32, buffer: &wgpu::Buffer) -> wgpu::BindGroupEntry<'_> {
-    wgpu::BindGroupEntry {
-        binding,
-        resource: buffer.as_entire_binding(),
-    }
-}
-
 /// The error of each tile, of which those that are drawn have `samples` samples.
 pub fn tile_errors(
     context: &GpuContext,
@@ -204,12 +162,12 @@ pub fn tile_errors(
                 let output = output_buffer(context, tiles.len() as u64 * 8);
                 let mut encoder = context.encoder();
                 let entries = [
-                    entry(binding::SUMS, &buffer.buffer),
-                    entry(binding::SLICE, &slice),
-                    entry(binding::TILE_ENDS, &accumulation.tile_ends),
-                    entry(binding::TILE_ERRORS, &output),
+                    entry(bindings::SUMS, &buffer.buffer),
+                    entry(bindings::SLICE, &slice),
+                    entry(bindings::TILE_ENDS, &accumulation.tile_ends),
+                    entry(bindings::TILE_ERRORS, &output),
                 ];
-                dispatch(context, &mut encoder, made, &entries, tiles.len() as u32);
+                record_dispatch(context, &mut encoder, made, &entries, tiles.len() as u32);
                 read(context, encoder, &output, output.size())
             })??;
             let found = floats(&bytes);

@@ -15,7 +15,7 @@ const MAX_WORKGROUPS: u32 = 65_535;
 
 /// One dispatch.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Job {
+pub struct Dispatch {
     /// The tiles to work on.
     pub tiles: Range<u32>,
     /// The samples to add.
@@ -24,7 +24,7 @@ pub struct Job {
     pub stride: u32,
 }
 
-impl Job {
+impl Dispatch {
     /// Most whole tiles of one dispatch.
     pub const MOST_TILES: u32 = MAX_WORKGROUPS * WORKGROUP / TILE_PIXELS;
 
@@ -100,7 +100,7 @@ impl Schedule {
     }
 
     /// The next dispatch of about `paths` paths, towards `target` samples, within the tiles up to `buffer_end(tile)`.
-    pub fn next(&mut self, paths: u64, target: u32, buffer_end: impl Fn(u32) -> u32) -> Job {
+    pub fn next(&mut self, paths: u64, target: u32, buffer_end: impl Fn(u32) -> u32) -> Dispatch {
         let whole_sample = u64::from(self.tiles) * u64::from(TILE_PIXELS);
         if self.next_tile == 0 && self.stride == 0 {
             let power = (self.samples + 1).next_power_of_two();
@@ -108,21 +108,21 @@ impl Schedule {
             let fitting = (paths / whole_sample).clamp(1, u64::from(most)) as u32;
             self.pass_end = self.samples + fitting;
         }
-        let mut job = Job {
+        let mut dispatch = Dispatch {
             tiles: self.next_tile..self.next_tile + 1,
             samples: self.samples..self.pass_end,
             stride: self.stride,
         };
-        let most_in_dispatch = MAX_WORKGROUPS * WORKGROUP / job.pixels_per_tile();
+        let most_in_dispatch = MAX_WORKGROUPS * WORKGROUP / dispatch.pixels_per_tile();
         let room = (buffer_end(self.next_tile) - self.next_tile).min(most_in_dispatch);
-        let fitting = (paths / job.paths()).clamp(1, u64::from(room)) as u32;
-        job.tiles.end += fitting - 1;
-        job
+        let fitting = (paths / dispatch.paths()).clamp(1, u64::from(room)) as u32;
+        dispatch.tiles.end += fitting - 1;
+        dispatch
     }
 
-    /// Notes that `job`, the last one handed out, is done.
-    pub fn finish(&mut self, job: &Job) {
-        self.next_tile = job.tiles.end;
+    /// Notes that `dispatch`, the last one handed out, is done.
+    pub fn finish(&mut self, dispatch: &Dispatch) {
+        self.next_tile = dispatch.tiles.end;
         if self.next_tile < self.tiles {
             return;
         }

@@ -1,4 +1,4 @@
-//! The files of shaders/, put together in order; errors are told by file and line.
+//! The files of shaders/, put together in order; errors are given by file and line.
 
 use crate::render::RenderError;
 
@@ -14,7 +14,7 @@ pub const TRACE: &[Part] = parts![
     "settings.wgsl" "scene.wgsl" "sampling.wgsl" "counters.wgsl" "walk.wgsl" "block.wgsl" "patch.wgsl" "volume.wgsl"
     "skeleton.wgsl" "surface.wgsl" "phase.wgsl" "lights.wgsl" "events.wgsl" "single.wgsl" "layered.wgsl"
     "composite.wgsl" "loop_line.wgsl" "met.wgsl" "tracked.wgsl" "camera.wgsl" "form.wgsl" "picture.wgsl" "levels.wgsl"
-    "bounced.wgsl" "shadow_cache.wgsl" "exact.wgsl" "trace.wgsl" "bare.wgsl"
+    "multiple_scattering.wgsl" "shadow_cache.wgsl" "exact.wgsl" "trace.wgsl" "baseline.wgsl"
 ];
 /// The program that shows or returns the mean.
 pub const RESOLVE: &[Part] = parts!["settings.wgsl" "picture.wgsl" "resolve.wgsl"];
@@ -22,7 +22,7 @@ pub const RESOLVE: &[Part] = parts!["settings.wgsl" "picture.wgsl" "resolve.wgsl
 pub const ERROR: &[Part] = parts!["settings.wgsl" "picture.wgsl" "error.wgsl"];
 
 /// The program that makes learned shadows known.
-pub const SETTLE: &[Part] = parts!["settings.wgsl" "counters.wgsl" "settle.wgsl"];
+pub const FINALISE: &[Part] = parts!["settings.wgsl" "counters.wgsl" "finalise.wgsl"];
 
 /// Several files as one WGSL module.
 #[derive(Debug, Clone)]
@@ -74,7 +74,7 @@ impl Composed {
             return Ok(module);
         };
         let info = pollster::block_on(module.get_compilation_info());
-        let told: Vec<String> = info
+        let messages: Vec<String> = info
             .messages
             .iter()
             .filter_map(|message| {
@@ -82,10 +82,10 @@ impl Composed {
                 Some(format!("shaders/{file}:{line}: {}", message.message))
             })
             .collect();
-        Err(RenderError::Device(if told.is_empty() {
+        Err(RenderError::Device(if messages.is_empty() {
             error.to_string()
         } else {
-            told.join("\n")
+            messages.join("\n")
         }))
     }
 }

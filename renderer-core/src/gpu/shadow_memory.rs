@@ -5,9 +5,9 @@ use crate::render::shadow_cache::ShadowKey;
 use crate::render::{RenderError, RenderRequest};
 
 use super::GpuContext;
+use super::bindings::{self, entry, record_dispatch};
 use super::layout::{SHADOWS_FROM, Slice, WORKGROUP};
-use super::pipelines::{Pipelines, binding};
-use super::readback::{dispatch, entry};
+use super::pipelines::Pipelines;
 
 /// Most workgroups in one dimension of a dispatch, in WebGPU.
 const MAX_WORKGROUPS: u32 = 65_535;
@@ -75,17 +75,17 @@ impl ShadowMemory {
     ///
     /// # Errors
     /// When the device fails.
-    pub fn settle(
+    pub fn finalise(
         &self,
         context: &GpuContext,
         pipelines: &mut Pipelines,
     ) -> Result<(), RenderError> {
-        let made = pipelines.settle(context)?;
+        let made = pipelines.finalise(context)?;
         let workgroups = self.entries.div_ceil(WORKGROUP).min(MAX_WORKGROUPS);
         context.guarded(|| {
             let mut encoder = context.encoder();
-            let entries = [entry(binding::TOTALS, &self.buffer)];
-            dispatch(context, &mut encoder, made, &entries, workgroups);
+            let entries = [entry(bindings::TOTALS, &self.buffer)];
+            record_dispatch(context, &mut encoder, made, &entries, workgroups);
             context.queue.submit([encoder.finish()]);
         })
     }

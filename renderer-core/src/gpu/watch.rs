@@ -29,7 +29,7 @@ impl DeviceWatch {
         Self::with_alarm(device, || {})
     }
 
-    /// The same; calls `alarm`, on any thread, when the device is lost or refuses something.
+    /// Watches `device`; calls `alarm`, on any thread, when the device is lost or refuses something.
     pub fn with_alarm(device: &wgpu::Device, alarm: impl Fn() + Send + Sync + 'static) -> Self {
         let watch = Self(Arc::new(State {
             lost: OnceLock::new(),

@@ -110,14 +110,14 @@ impl<'a> PathTracer<'a> {
         let tracer = self.tracer;
         let bounces = tracer.settings.bounces;
         let lights = &tracer.scene.lights;
-        let closing_bounce = tracer.settings.closing_bounce();
+        let path_cutoff = tracer.settings.path_cutoff();
         let is_drawn = lights.sky.drawn().is_some();
         let mut throughput = DVec3::ONE;
         let mut radiance = DVec3::ZERO;
         for bounce in 1..=bounces {
             // Points found by compositing see their lights by compositing.
             let composited = bounce == 1 && tracer.settings.method != Method::Tracked;
-            let closing = closing_bounce == Some(bounce);
+            let closing = path_cutoff == Some(bounce);
             let gather = Gather {
                 bounce,
                 composited,

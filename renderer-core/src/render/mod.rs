@@ -138,7 +138,7 @@ impl Settings {
     }
 
     /// The scattering at which the light of all further ones is estimated, if not all are traced.
-    pub fn closing_bounce(&self) -> Option<u32> {
+    pub fn path_cutoff(&self) -> Option<u32> {
         (1..self.bounces)
             .contains(&self.traced_bounces)
             .then_some(self.traced_bounces)
@@ -325,7 +325,7 @@ pub trait Backend: Send {
     ///
     /// # Errors
     /// When the device fails.
-    fn bare_sample(&mut self) -> Result<Option<Duration>, RenderError> {
+    fn baseline_sample(&mut self) -> Result<Option<Duration>, RenderError> {
         Ok(None)
     }
 

@@ -151,7 +151,7 @@ fn first(way: Way, request: &RenderRequest, deadline: Instant) -> anyhow::Result
             pipelines: drawn.pipelines,
             counters,
             bytes,
-            bare: backend.bare_sample()?,
+            bare: backend.baseline_sample()?,
             turns: 1,
         },
         backend,

@@ -285,7 +285,7 @@ pub fn measure(
         characters.push(character(setting, counters, turns, &truth)?);
     }
     backend.begin(&subject.request(&target.settings[0], 0)?)?;
-    let bare = backend.bare_sample()?;
+    let bare = backend.baseline_sample()?;
     let turns = turns.iter().enumerate();
     let rows = turns.flat_map(|(index, turns)| rows(index, turns, truth.noise));
     Ok(Findings {

@@ -43,7 +43,7 @@ impl LiveLight {
     /// Whether the two differ for a design: not if it says itself what to estimate and to share, or has nothing of it.
     pub fn matters(design: &Design) -> bool {
         let [fast, whole] = [Self::Fast, Self::True].map(|light| light.settings(design));
-        fast.closing_bounce() != whole.closing_bounce()
+        fast.path_cutoff() != whole.path_cutoff()
             || fast.caches_shadows(0) != whole.caches_shadows(0)
     }
 

@@ -1,8 +1,8 @@
-// ENTRY bare_main: the least that a sample can cost, for comparison: the ray of every pixel, and its sums read and
+// ENTRY baseline_main: the least that a sample can cost, for comparison: the ray of every pixel, and its sums read and
 // written. Nothing is traced, and the sums are worth nothing.
 
 @compute @workgroup_size(WORKGROUP)
-fn bare_main(@builtin(global_invocation_id) id: vec3<u32>) {
+fn baseline_main(@builtin(global_invocation_id) id: vec3<u32>) {
     let place = place_of(id.x);
     if !place.is_inside {
         return;

@@ -9,7 +9,7 @@ use super::layout;
 
 /// The features that a scene and its settings use; the rest costs nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct SceneNeeds {
+pub struct PipelineKey {
     /// How the first segment gathers light.
     pub method: Method,
     /// How pile scatters.
@@ -17,7 +17,7 @@ pub struct SceneNeeds {
     /// More than one scattering is allowed.
     pub long_paths: bool,
     /// Light of further scatterings is estimated.
-    pub closing: bool,
+    pub path_cutoff: bool,
     /// Layers blend.
     pub linear_layers: bool,
     /// Layers of the volumes.
@@ -60,7 +60,7 @@ pub struct SceneNeeds {
     pub hidden_ground: bool,
 }
 
-impl SceneNeeds {
+impl PipelineKey {
     /// What `scene` drawn with `settings` needs, without a cache of shadows and at one level of detail.
     pub fn new(scene: &Scene, settings: &Settings, filter_f32: bool) -> Self {
         // What the scene's numbers turn off as well, so that it need not be left out.
@@ -69,8 +69,8 @@ impl SceneNeeds {
         Self {
             method: settings.method,
             phase: scene.pile.shared_phase(),
-            long_paths: every || settings.closing_bounce().unwrap_or(settings.bounces) > 1,
-            closing: every || settings.closing_bounce().is_some(),
+            long_paths: every || settings.path_cutoff().unwrap_or(settings.bounces) > 1,
+            path_cutoff: every || settings.path_cutoff().is_some(),
             linear_layers: scene.volumes.interpolation == Interpolation::Linear,
             layers: scene.volumes.layers,
             root_blend: scene.volumes.root_blend > 0.0,
@@ -131,7 +131,7 @@ impl SceneNeeds {
             ("METHOD", method.into()),
             ("PHASE", phase.into()),
             flag("LONG_PATHS", self.long_paths),
-            flag("CLOSING", self.closing),
+            flag("PATH_CUTOFF", self.path_cutoff),
             flag("LINEAR_LAYERS", self.linear_layers),
             ("LAYERS", self.layers.into()),
             flag("ROOT_BLEND", self.root_blend),

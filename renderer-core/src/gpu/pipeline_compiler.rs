@@ -1,7 +1,7 @@
 //! Tracing pipelines, made on a thread of their own: compiling one takes a driver seconds, in which a window has to go on.
 //!
 //! There is one thread, and it makes one pipeline at a time: of all that is wanted meanwhile only the last counts, so that
-//! nothing piles up while a design changes. What is made is kept. A pipeline fits the needs it was made for and no others.
+//! nothing piles up while a design changes. What is made is kept. A pipeline fits the key it was made for and no others.
 
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -13,17 +13,17 @@ use std::time::{Duration, Instant};
 use crate::render::RenderError;
 
 use super::GpuContext;
+use super::bindings::{self, entry};
 use super::layout::{COUNTERS_IN_ALL, RayTile, SUMS_WITH_AOV, Slice};
-use super::needs::SceneNeeds;
-use super::pipelines::{Program, binding};
-use super::readback::entry;
+use super::pipeline_key::PipelineKey;
+use super::program::Program;
 
 /// How often a wait looks whether it is cancelled.
 const LOOK: Duration = Duration::from_millis(5);
 
 /// The thread and what it has made.
 #[derive(Debug)]
-pub struct Builder {
+pub struct PipelineCompiler {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
 }
@@ -39,11 +39,11 @@ struct Shared {
 #[derive(Debug, Default)]
 struct State {
     /// The next one to make, and a scene to try it on.
-    wanted: Option<(SceneNeeds, wgpu::BindGroup)>,
-    making: Option<SceneNeeds>,
-    made: HashMap<SceneNeeds, wgpu::ComputePipeline>,
-    /// Told once.
-    failed: Option<(SceneNeeds, RenderError)>,
+    wanted: Option<(PipelineKey, wgpu::BindGroup)>,
+    making: Option<PipelineKey>,
+    made: HashMap<PipelineKey, wgpu::ComputePipeline>,
+    /// Reported once.
+    failed: Option<(PipelineKey, RenderError)>,
     stop: bool,
 }
 
@@ -56,16 +56,16 @@ impl Shared {
     fn work(&self) {
         let mut state = self.lock();
         while !state.stop {
-            let Some((needs, scene)) = state.wanted.take() else {
+            let Some((key, scene)) = state.wanted.take() else {
                 state = self
                     .news
                     .wait(state)
                     .unwrap_or_else(PoisonError::into_inner);
                 continue;
             };
-            state.making = Some(needs);
+            state.making = Some(key);
             drop(state);
-            let made = catch_unwind(AssertUnwindSafe(|| self.make(needs, &scene)));
+            let made = catch_unwind(AssertUnwindSafe(|| self.make(key, &scene)));
             let made = made.unwrap_or_else(|_| {
                 Err(RenderError::Device(
                     "a pipeline could not be made: its compiler panicked".into(),
@@ -75,9 +75,9 @@ impl Shared {
             state.making = None;
             match made {
                 Ok(pipeline) => {
-                    state.made.insert(needs, pipeline);
+                    state.made.insert(key, pipeline);
                 }
-                Err(error) => state.failed = Some((needs, error)),
+                Err(error) => state.failed = Some((key, error)),
             }
             self.news.notify_all();
         }
@@ -86,13 +86,13 @@ impl Shared {
     /// Makes a pipeline and runs it on nothing: some drivers compile only when they have to.
     fn make(
         &self,
-        needs: SceneNeeds,
+        key: PipelineKey,
         scene: &wgpu::BindGroup,
     ) -> Result<wgpu::ComputePipeline, RenderError> {
         let context = &self.context;
         let pipeline = self
             .program
-            .pipeline(context, "trace_main", &needs.constants())?;
+            .pipeline(context, "trace_main", &key.constants())?;
         let encoder = context.guarded(|| {
             let zeros = |size: usize, usage| {
                 context.device.create_buffer(&wgpu::BufferDescriptor {
@@ -113,10 +113,10 @@ impl Shared {
                     label: Some("nothing"),
                     layout: &self.program.group,
                     entries: &[
-                        entry(binding::RAY_TILES, &rays),
-                        entry(binding::SUMS, &sums),
-                        entry(binding::SLICE, &slice),
-                        entry(binding::TOTALS, &totals),
+                        entry(bindings::RAY_TILES, &rays),
+                        entry(bindings::SUMS, &sums),
+                        entry(bindings::SLICE, &slice),
+                        entry(bindings::TOTALS, &totals),
                     ],
                 });
             let mut encoder = context.encoder();
@@ -129,14 +129,14 @@ impl Shared {
             encoder
         })?;
         context.submit_and_wait(encoder)?;
-        if let Some(kept) = &context.kept {
-            kept.save();
+        if let Some(cache) = &context.pipeline_cache {
+            cache.save();
         }
         Ok(pipeline)
     }
 }
 
-impl Builder {
+impl PipelineCompiler {
     /// Makes pipelines of `program`.
     ///
     /// # Errors
@@ -166,58 +166,58 @@ impl Builder {
         &self.shared.program.group
     }
 
-    /// A pipeline of the program's entry point `bare_main`, made now.
+    /// A pipeline of the program's entry point `baseline_main`, made now.
     ///
     /// # Errors
     /// When it cannot be made.
-    pub fn bare(&self, needs: SceneNeeds) -> Result<wgpu::ComputePipeline, RenderError> {
+    pub fn baseline(&self, key: PipelineKey) -> Result<wgpu::ComputePipeline, RenderError> {
         let Shared {
             context, program, ..
         } = &*self.shared;
-        program.pipeline(context, "bare_main", &needs.constants())
+        program.pipeline(context, "baseline_main", &key.constants())
     }
 
-    /// The pipeline for `needs` if it is made; else it is from now on the next one to make, first run with `scene` as its
+    /// The pipeline for `key` if it is made; else it is from now on the next one to make, first run with `scene` as its
     /// group 0.
     ///
     /// # Errors
     /// When it was tried, and could not be made.
     pub fn get(
         &self,
-        needs: SceneNeeds,
+        key: PipelineKey,
         scene: &wgpu::BindGroup,
     ) -> Result<Option<wgpu::ComputePipeline>, RenderError> {
         let mut state = self.shared.lock();
-        if let Some((_, error)) = state.failed.take_if(|(failed, _)| *failed == needs) {
+        if let Some((_, error)) = state.failed.take_if(|(failed, _)| *failed == key) {
             return Err(error);
         }
-        if let Some(pipeline) = state.made.get(&needs) {
+        if let Some(pipeline) = state.made.get(&key) {
             return Ok(Some(pipeline.clone()));
         }
         if self.thread.as_ref().is_none_or(JoinHandle::is_finished) {
             let ended = "the thread that makes pipelines has ended";
             return Err(RenderError::Device(ended.into()));
         }
-        if state.making != Some(needs) {
-            state.wanted = Some((needs, scene.clone()));
+        if state.making != Some(key) {
+            state.wanted = Some((key, scene.clone()));
             self.shared.news.notify_all();
         }
         Ok(None)
     }
 
-    /// The same, but waits for it, at most until `deadline` or `cancel`.
+    /// The pipeline for `key`, waited for, at most until `deadline` or `cancel`.
     ///
     /// # Errors
     /// When it could not be made.
     pub fn wait(
         &self,
-        needs: SceneNeeds,
+        key: PipelineKey,
         scene: &wgpu::BindGroup,
         deadline: Option<Instant>,
         cancel: &AtomicBool,
     ) -> Result<Option<wgpu::ComputePipeline>, RenderError> {
         loop {
-            let pipeline = self.get(needs, scene)?;
+            let pipeline = self.get(key, scene)?;
             let is_late = deadline.is_some_and(|deadline| Instant::now() >= deadline);
             if pipeline.is_some() || is_late || cancel.load(Ordering::Relaxed) {
                 return Ok(pipeline);
@@ -229,7 +229,7 @@ impl Builder {
     }
 }
 
-impl Drop for Builder {
+impl Drop for PipelineCompiler {
     fn drop(&mut self) {
         self.shared.lock().stop = true;
         self.shared.news.notify_all();

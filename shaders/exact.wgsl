@@ -186,18 +186,18 @@ fn march(ray: Ray, depth_to: f32, ground_from: f32, ends_with_ground: bool) -> M
         let block = open_block(ray, walk.place, walk.t_enter, walk.t_exit, MEET_VOLUME);
         let count = block.entries_end - block.entries_start;
         marched.block = block;
-        var stretch = Stretch(vec4<u32>(), 0u, ALL_ENTRIES, walk.t_enter, walk.t_enter, walk.t_enter);
+        var segment = RaySegment(vec4<u32>(), 0u, ALL_ENTRIES, walk.t_enter, walk.t_enter, walk.t_enter);
         var t = walk.t_enter;
         var t_look = t;
         while t < walk.t_exit && cuts < MAX_CUTS && !marched.fell {
             cuts++;
-            if t >= stretch.next || t_look > stretch.next {
+            if t >= segment.next || t_look > segment.next {
                 t_look = max(t_look, t);
-                stretch = stretch_from(ray, block, stretch.ahead, t, t_look, walk.t_exit);
+                segment = segment_from(ray, block, segment.ahead, t, t_look, walk.t_exit);
             }
             var cut = walk.t_exit;
             var inside = vec4<u32>();
-            for (var i = next_bit(stretch.around, 0u, count); i < count; i = next_bit(stretch.around, i + 1u, count)) {
+            for (var i = next_bit(segment.around, 0u, count); i < count; i = next_bit(segment.around, i + 1u, count)) {
                 let onward = onward_from(loop_line(ray, open_entry(block, block.entries_start + i)), t);
                 cut = min(cut, onward.cut);
                 if onward.inside {
@@ -205,10 +205,10 @@ fn march(ray: Ray, depth_to: f32, ground_from: f32, ends_with_ground: bool) -> M
                 }
             }
             if !any(inside != vec4<u32>()) {
-                t = min(cut, stretch.next);
+                t = min(cut, segment.next);
                 continue;
             }
-            if cut > stretch.next {
+            if cut > segment.next {
                 // The loops that begin before it may cut as well.
                 t_look = cut;
                 continue;

@@ -1,10 +1,10 @@
-// Bent cloth: a ray of the world as a chain of straight stretches through the flat sheet. What facets, their tetrahedra and
-// boxes are: renderer-core/src/scene/form/mod.rs. Level cloth has one stretch, the ray itself.
+// Bent cloth: a ray of the world as a chain of straight segments through the flat sheet. What facets, their tetrahedra
+// and boxes are: renderer-core/src/scene/form/mod.rs. Level cloth has one segment, the ray itself.
 
 // Texels of a row of form_mesh.
 const FORM_ROW: u32 = 1024u;
-// Stretches of one ray: far more than there are in any.
-const MOST_STRETCHES: u32 = 8192u;
+// Segments of one ray: far more than there are in any.
+const MOST_SEGMENTS: u32 = 8192u;
 // Boxes looked at for one entry into the cloth.
 const MOST_BOXES: u32 = 65536u;
 
@@ -18,8 +18,9 @@ fn form_corner(facet: vec2<i32>, upper: vec3<u32>) -> vec3<f32> {
     return form_texel(2u * (place.y * u32(scene.form_facets.x + 1) + place.x) + upper.z);
 }
 
-// One of the six tetrahedra of a facet: shares of the facet fall along these axes, 1 ≥ s[first] ≥ s[second] ≥ s[third] ≥ 0.
-struct Order {
+// One of the six tetrahedra of a facet: coordinates in the facet, from 0 to 1, fall along these axes, 1 ≥ s[first] ≥
+// s[second] ≥ s[third] ≥ 0.
+struct KuhnTetrahedron {
     first: u32,
     second: u32,
     third: u32,
@@ -33,6 +34,15 @@ fn along(vector: vec3<f32>, axis: u32) -> f32 {
     return dot(vector, vec3<f32>(unit_of(axis)));
 }
 
+// A vector's components along a tetrahedron's axes.
+fn in_order(vector: vec3<f32>, tetrahedron: KuhnTetrahedron) -> vec3<f32> {
+    return vec3<f32>(
+        along(vector, tetrahedron.first),
+        along(vector, tetrahedron.second),
+        along(vector, tetrahedron.third),
+    );
+}
+
 // The corners of a tetrahedron.
 struct Corners {
     a: vec3<f32>,
@@ -41,9 +51,9 @@ struct Corners {
     d: vec3<f32>,
 }
 
-fn tet_corners(facet: vec2<i32>, order: Order) -> Corners {
-    let second = unit_of(order.first);
-    let third = second + unit_of(order.second);
+fn tet_corners(facet: vec2<i32>, tetrahedron: KuhnTetrahedron) -> Corners {
+    let second = unit_of(tetrahedron.first);
+    let third = second + unit_of(tetrahedron.second);
     return Corners(
         form_corner(facet, vec3<u32>(0u)),
         form_corner(facet, second),
@@ -60,26 +70,26 @@ struct TetMap {
     z: vec3<f32>,
 }
 
-fn edge_along(axis: u32, order: Order, corners: Corners) -> vec3<f32> {
+fn edge_along(axis: u32, tetrahedron: KuhnTetrahedron, corners: Corners) -> vec3<f32> {
     return select(
-        select(corners.d - corners.c, corners.c - corners.b, order.second == axis),
+        select(corners.d - corners.c, corners.c - corners.b, tetrahedron.second == axis),
         corners.b - corners.a,
-        order.first == axis,
+        tetrahedron.first == axis,
     );
 }
 
-fn tet_map(facet: vec2<i32>, order: Order) -> TetMap {
-    let corners = tet_corners(facet, order);
+fn tet_map(facet: vec2<i32>, tetrahedron: KuhnTetrahedron) -> TetMap {
+    let corners = tet_corners(facet, tetrahedron);
     return TetMap(
         corners.a,
-        edge_along(0u, order, corners),
-        edge_along(1u, order, corners),
-        edge_along(2u, order, corners),
+        edge_along(0u, tetrahedron, corners),
+        edge_along(1u, tetrahedron, corners),
+        edge_along(2u, tetrahedron, corners),
     );
 }
 
-// The shares that a vector of the world comes to.
-fn shares_along(map: TetMap, vector: vec3<f32>) -> vec3<f32> {
+// A vector of the world in coordinates of the facet.
+fn coordinates_along(map: TetMap, vector: vec3<f32>) -> vec3<f32> {
     let yz = cross(map.y, map.z);
     return vec3<f32>(dot(yz, vector), dot(cross(map.z, map.x), vector), dot(cross(map.x, map.y), vector)) / dot(map.x, yz);
 }
@@ -91,8 +101,8 @@ fn facet_mm() -> vec3<f32> {
 // A place of the cloth.
 struct ClothPlace {
     facet: vec2<i32>,
-    order: Order,
-    shares: vec3<f32>,
+    tetrahedron: KuhnTetrahedron,
+    coordinates: vec3<f32>,
 }
 
 // The one of a point relative to the centre of a cell.
@@ -102,80 +112,80 @@ fn cloth_place(cell: vec2<i32>, point: vec3<f32>) -> ClothPlace {
     let cells = vec2<f32>(from_first - facet * scene.form_facet_cells) + 0.5 + point.xy / scene.pitch;
     // A point beside its cell may be in the next facet.
     let moved = clamp(facet + vec2<i32>(floor(cells / f32(scene.form_facet_cells))), vec2<i32>(0), scene.form_facets - 1);
-    let shares = vec3<f32>(
+    let coordinates = vec3<f32>(
         cells / f32(scene.form_facet_cells) - vec2<f32>(moved - facet),
         (point.z - scene.form_heights.x) / (scene.form_heights.y - scene.form_heights.x),
     );
-    let x_before_y = shares.x >= shares.y;
+    let x_before_y = coordinates.x >= coordinates.y;
     let high = select(1u, 0u, x_before_y);
     let low = 1u - high;
-    let most = max(shares.x, shares.y);
-    let least = min(shares.x, shares.y);
-    var order = Order(high, low, 2u);
-    if shares.z > most {
-        order = Order(2u, high, low);
-    } else if shares.z > least {
-        order = Order(high, 2u, low);
+    let most = max(coordinates.x, coordinates.y);
+    let least = min(coordinates.x, coordinates.y);
+    var tetrahedron = KuhnTetrahedron(high, low, 2u);
+    if coordinates.z > most {
+        tetrahedron = KuhnTetrahedron(2u, high, low);
+    } else if coordinates.z > least {
+        tetrahedron = KuhnTetrahedron(high, 2u, low);
     }
-    return ClothPlace(moved, order, shares);
+    return ClothPlace(moved, tetrahedron, coordinates);
 }
 
 // Turns directions of the sheet to those of the world.
-struct Turn {
+struct Rotation {
     x: vec3<f32>,
     y: vec3<f32>,
     z: vec3<f32>,
 }
 
-fn turn_of(map: TetMap) -> Turn {
+fn rotation_of(map: TetMap) -> Rotation {
     let z = normalize(cross(map.x, map.y));
     let x = normalize(map.x);
-    return Turn(x, cross(z, x), z);
+    return Rotation(x, cross(z, x), z);
 }
 
-fn turn_at(at: Scatter) -> Turn {
+fn rotation_at(at: Scatter) -> Rotation {
     if !BENT || at.what == NOTHING {
-        return Turn(vec3<f32>(1.0, 0.0, 0.0), vec3<f32>(0.0, 1.0, 0.0), vec3<f32>(0.0, 0.0, 1.0));
+        return Rotation(vec3<f32>(1.0, 0.0, 0.0), vec3<f32>(0.0, 1.0, 0.0), vec3<f32>(0.0, 0.0, 1.0));
     }
     let place = cloth_place(at.cell, at.point);
-    return turn_of(tet_map(place.facet, place.order));
+    return rotation_of(tet_map(place.facet, place.tetrahedron));
 }
 
 // The world position of a scattering point.
 fn world_point(at: Scatter) -> vec3<f32> {
     if BENT {
         let place = cloth_place(at.cell, at.point);
-        let map = tet_map(place.facet, place.order);
-        return map.origin + map.x * place.shares.x + map.y * place.shares.y + map.z * place.shares.z;
+        let map = tet_map(place.facet, place.tetrahedron);
+        return map.origin + map.x * place.coordinates.x + map.y * place.coordinates.y + map.z * place.coordinates.z;
     }
     let cell = vec2<f32>(at.cell) + 0.5 - 0.5 * vec2<f32>(scene.sheet);
     return at.point + vec3<f32>(cell * scene.pitch, 0.0);
 }
 
-fn world_from_sheet(turn: Turn, direction: vec3<f32>) -> vec3<f32> {
+fn world_from_sheet(rotation: Rotation, direction: vec3<f32>) -> vec3<f32> {
     if !BENT {
         return direction;
     }
-    return turn.x * direction.x + turn.y * direction.y + turn.z * direction.z;
+    return rotation.x * direction.x + rotation.y * direction.y + rotation.z * direction.z;
 }
 
-fn sheet_from_world(turn: Turn, direction: vec3<f32>) -> vec3<f32> {
+fn sheet_from_world(rotation: Rotation, direction: vec3<f32>) -> vec3<f32> {
     if !BENT {
         return direction;
     }
-    return vec3<f32>(dot(turn.x, direction), dot(turn.y, direction), dot(turn.z, direction));
+    return vec3<f32>(dot(rotation.x, direction), dot(rotation.y, direction), dot(rotation.z, direction));
 }
 
-// A ray on its way through the cloth.
-struct Way {
-    // The part of the ray that is in one tetrahedron, in sheet space; the ray's start is told as if the map were this one all
-    // the way.
-    stretch: Ray,
+// A ray through the cloth, segment by segment.
+struct RaySegments {
+    // The part of the ray that is in one tetrahedron, in sheet space; the ray's start is where it would be if the map
+    // were this one all along.
+    segment: Ray,
     // World mm that the ray had come before its origin, and world mm in a mm of it.
     t_before: f32,
     world_per_sheet: f32,
-    // What follows: where the ray is, with which direction of the world, how far from its start it began to count, and whether
-    // it is in the cloth.
+    // What follows: where the ray is, with which direction of the world, how far from its start it began to count, and
+    // whether it is in the cloth.
     place: ClothPlace,
     // World position, outside of the cloth.
     point: vec3<f32>,
@@ -186,30 +196,30 @@ struct Way {
 }
 
 // A ray of the world: from a point of the cloth, or, with the same numbers meaning the world, from the eye.
-fn way_begin(ray: Ray, in_cloth: bool) -> Way {
-    var way: Way;
-    way.stretch = ray;
-    way.world_per_sheet = 1.0;
+fn ray_segments(ray: Ray, in_cloth: bool) -> RaySegments {
+    var segments: RaySegments;
+    segments.segment = ray;
+    segments.world_per_sheet = 1.0;
     if BENT {
-        way.direction = ray.direction;
-        way.t_start = ray.t_start;
-        way.inside = in_cloth;
+        segments.direction = ray.direction;
+        segments.t_start = ray.t_start;
+        segments.inside = in_cloth;
         if in_cloth {
-            way.place = cloth_place(ray.cell, ray.origin);
+            segments.place = cloth_place(ray.cell, ray.origin);
         } else {
             let middle = (vec2<f32>(ray.cell) + 0.5 - 0.5 * vec2<f32>(scene.sheet)) * scene.pitch;
-            way.point = vec3<f32>(middle + ray.origin.xy, ray.origin.z);
+            segments.point = vec3<f32>(middle + ray.origin.xy, ray.origin.z);
         }
     }
-    return way;
+    return segments;
 }
 
 fn boxes_of(level: u32) -> vec2<u32> {
     return (vec2<u32>(scene.form_facets) + (1u << level) - 1u) >> vec2<u32>(level);
 }
 
-// Where a ray goes through a triangle towards the side on which `opposite` lies; FAR if it does not. All is relative to the
-// ray's origin.
+// Where a ray goes through a triangle towards the side on which `opposite` lies; FAR if it does not. All is relative to
+// the ray's origin.
 fn enters_by(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, opposite: vec3<f32>, direction: vec3<f32>) -> f32 {
     let normal = cross(b - a, c - a);
     let speed = dot(normal, direction);
@@ -219,12 +229,12 @@ fn enters_by(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, opposite: vec3<f32>, dire
     return select(FAR, dot(normal, a) / speed, within && speed * dot(normal, opposite - a) > 0.0);
 }
 
-// The order after another, of the six: (x, y, z), (y, z, x), (z, x, y), then (y, x, z) and so on.
-fn next_order(order: Order, index: u32) -> Order {
+// The tetrahedron after another, of the six: (x, y, z), (y, z, x), (z, x, y), then (y, x, z) and so on.
+fn next_tetrahedron(tetrahedron: KuhnTetrahedron, index: u32) -> KuhnTetrahedron {
     if index == 3u {
-        return Order(1u, 0u, 2u);
+        return KuhnTetrahedron(1u, 0u, 2u);
     }
-    return Order(order.second, order.third, order.first);
+    return KuhnTetrahedron(tetrahedron.second, tetrahedron.third, tetrahedron.first);
 }
 
 // Whether the cloth ends with a facet on a side of an axis.
@@ -233,17 +243,17 @@ fn is_outer(facet: vec2<i32>, axis: u32, side: i32) -> bool {
     return axis == 2u || any(beyond < vec2<i32>(0)) || any(beyond >= scene.form_facets);
 }
 
-// Whether shares are in the tetrahedron of an order.
-fn is_within(shares: vec3<f32>, order: Order) -> bool {
-    let s = vec3<f32>(along(shares, order.first), along(shares, order.second), along(shares, order.third));
+// Whether coordinates are those of a point in a tetrahedron.
+fn is_within(coordinates: vec3<f32>, tetrahedron: KuhnTetrahedron) -> bool {
+    let s = in_order(coordinates, tetrahedron);
     return s.x <= 1.0 && s.y <= s.x && s.z <= s.y && s.z >= 0.0;
 }
 
-// Brings a ray from outside to where it comes into the cloth next; false if it never does. One that comes from the eye may be in
-// the cloth already. Boxes are looked at in the order of a Z curve, without a stack.
-fn enter_cloth(way: ptr<function, Way>, from_eye: bool) -> bool {
-    var point = (*way).point;
-    let direction = (*way).direction;
+// Brings a ray from outside to where it comes into the cloth next; false if it never does. One that comes from the eye
+// may be in the cloth already. Boxes are looked at in the order of a Z curve, without a stack.
+fn enter_cloth(segments: ptr<function, RaySegments>, from_eye: bool) -> bool {
+    var point = (*segments).point;
+    let direction = (*segments).direction;
     let inverse = bounded_inverse(direction);
     let top = scene.form_levels - 1u;
     let corners_in_all = 2u * u32((scene.form_facets.x + 1) * (scene.form_facets.y + 1));
@@ -258,14 +268,14 @@ fn enter_cloth(way: ptr<function, Way>, from_eye: bool) -> bool {
         let a = (form_texel(corners_in_all + 2u * first) - point) * inverse;
         let b = (form_texel(corners_in_all + 2u * first + 1u) - point) * inverse;
         let near = min(a, b);
-        let back = clamp(max(near.x, max(near.y, near.z)), min((*way).t_start, 0.0), 0.0);
+        let back = clamp(max(near.x, max(near.y, near.z)), min((*segments).t_start, 0.0), 0.0);
         point += back * direction;
-        (*way).t += back;
+        (*segments).t += back;
     }
     var at = vec2<u32>(0u);
     var nearest = FAR;
     var nearest_facet = vec2<i32>(0);
-    var nearest_order = Order(0u, 1u, 2u);
+    var nearest_tetrahedron = KuhnTetrahedron(0u, 1u, 2u);
     for (var n = 0u; n < MOST_BOXES; n++) {
         let count = boxes_of(level);
         var meets = all(at < count);
@@ -289,24 +299,24 @@ fn enter_cloth(way: ptr<function, Way>, from_eye: bool) -> bool {
         }
         if meets {
             let facet = vec2<i32>(at);
-            var order = Order(2u, 0u, 1u);
+            var tetrahedron = KuhnTetrahedron(2u, 0u, 1u);
             for (var index = 0u; index < 6u; index++) {
-                order = next_order(order, index);
-                let ahead = is_outer(facet, order.first, 1);
-                let behind = is_outer(facet, order.third, -1);
+                tetrahedron = next_tetrahedron(tetrahedron, index);
+                let ahead = is_outer(facet, tetrahedron.first, 1);
+                let behind = is_outer(facet, tetrahedron.third, -1);
                 if holds {
-                    let map = tet_map(facet, order);
-                    if is_within(shares_along(map, point - map.origin), order) {
+                    let map = tet_map(facet, tetrahedron);
+                    if is_within(coordinates_along(map, point - map.origin), tetrahedron) {
                         nearest = 0.0;
                         nearest_facet = facet;
-                        nearest_order = order;
+                        nearest_tetrahedron = tetrahedron;
                         break;
                     }
                 }
                 if !ahead && !behind {
                     continue;
                 }
-                let corners = tet_corners(facet, order);
+                let corners = tet_corners(facet, tetrahedron);
                 let a = corners.a - point;
                 let b = corners.b - point;
                 let c = corners.c - point;
@@ -323,7 +333,7 @@ fn enter_cloth(way: ptr<function, Way>, from_eye: bool) -> bool {
                 if t < nearest {
                     nearest = t;
                     nearest_facet = facet;
-                    nearest_order = order;
+                    nearest_tetrahedron = tetrahedron;
                 }
             }
         }
@@ -346,13 +356,13 @@ fn enter_cloth(way: ptr<function, Way>, from_eye: bool) -> bool {
     if nearest >= FAR {
         return false;
     }
-    let map = tet_map(nearest_facet, nearest_order);
-    (*way).place = ClothPlace(
+    let map = tet_map(nearest_facet, nearest_tetrahedron);
+    (*segments).place = ClothPlace(
         nearest_facet,
-        nearest_order,
-        clamp(shares_along(map, point + nearest * direction - map.origin), vec3<f32>(0.0), vec3<f32>(1.0)),
+        nearest_tetrahedron,
+        clamp(coordinates_along(map, point + nearest * direction - map.origin), vec3<f32>(0.0), vec3<f32>(1.0)),
     );
-    (*way).t += nearest;
+    (*segments).t += nearest;
     return true;
 }
 
@@ -361,22 +371,22 @@ fn until_zero(value: f32, slope: f32) -> f32 {
     return select(FAR, max(-value / min(slope, -1.0e-30), 0.0), slope < 0.0);
 }
 
-// Goes on to the next stretch; false where the ray has left the cloth for good.
-fn next_stretch(way: ptr<function, Way>, is_first: bool) -> bool {
-    if !(*way).inside {
-        (*way).inside = enter_cloth(way, is_first);
-        if !(*way).inside {
+// Goes on to the next segment; false where the ray has left the cloth for good.
+fn next_segment(segments: ptr<function, RaySegments>, is_first: bool) -> bool {
+    if !(*segments).inside {
+        (*segments).inside = enter_cloth(segments, is_first);
+        if !(*segments).inside {
             return false;
         }
     }
-    let facet = (*way).place.facet;
-    let order = (*way).place.order;
-    let shares = (*way).place.shares;
-    let map = tet_map(facet, order);
-    let slope = shares_along(map, (*way).direction);
+    let facet = (*segments).place.facet;
+    let tetrahedron = (*segments).place.tetrahedron;
+    let coordinates = (*segments).place.coordinates;
+    let map = tet_map(facet, tetrahedron);
+    let slope = coordinates_along(map, (*segments).direction);
     // What must stay above 0: 1 − s[first], s[first] − s[second], s[second] − s[third], s[third].
-    let s = vec3<f32>(along(shares, order.first), along(shares, order.second), along(shares, order.third));
-    let v = vec3<f32>(along(slope, order.first), along(slope, order.second), along(slope, order.third));
+    let s = in_order(coordinates, tetrahedron);
+    let v = in_order(slope, tetrahedron);
     let until = vec4<f32>(
         until_zero(1.0 - s.x, -v.x),
         until_zero(s.x - s.y, v.x - v.y),
@@ -389,54 +399,54 @@ fn next_stretch(way: ptr<function, Way>, is_first: bool) -> bool {
     let sheet_per_world = length(across);
     let first_cell = scene.form_first_cell + facet * scene.form_facet_cells;
     let corner = vec3<f32>(-0.5 * scene.pitch, scene.form_heights.x);
-    var stretch = ray_from(first_cell, corner + shares * facet_mm(), across / sheet_per_world);
-    stretch.t_start = ((*way).t_start - (*way).t) * sheet_per_world;
-    stretch.t_from = 0.0;
-    stretch.t_to = leaves * sheet_per_world;
-    (*way).stretch = stretch;
-    (*way).t_before = (*way).t;
-    (*way).world_per_sheet = 1.0 / sheet_per_world;
+    var segment = ray_from(first_cell, corner + coordinates * facet_mm(), across / sheet_per_world);
+    segment.t_start = ((*segments).t_start - (*segments).t) * sheet_per_world;
+    segment.t_from = 0.0;
+    segment.t_to = leaves * sheet_per_world;
+    (*segments).segment = segment;
+    (*segments).t_before = (*segments).t;
+    (*segments).world_per_sheet = 1.0 / sheet_per_world;
 
-    (*way).t += leaves;
-    var next = shares + leaves * slope;
+    (*segments).t += leaves;
+    var next = coordinates + leaves * slope;
     if leaves == until.y {
-        (*way).place.order = Order(order.second, order.first, order.third);
+        (*segments).place.tetrahedron = KuhnTetrahedron(tetrahedron.second, tetrahedron.first, tetrahedron.third);
     } else if leaves == until.z {
-        (*way).place.order = Order(order.first, order.third, order.second);
+        (*segments).place.tetrahedron = KuhnTetrahedron(tetrahedron.first, tetrahedron.third, tetrahedron.second);
     } else {
         let ahead = leaves == until.x;
-        let axis = select(order.third, order.first, ahead);
+        let axis = select(tetrahedron.third, tetrahedron.first, ahead);
         let side = select(-1, 1, ahead);
         if is_outer(facet, axis, side) {
-            (*way).inside = false;
-            (*way).point = map.origin + map.x * next.x + map.y * next.y + map.z * next.z;
+            (*segments).inside = false;
+            (*segments).point = map.origin + map.x * next.x + map.y * next.y + map.z * next.z;
         } else {
             next -= f32(side) * vec3<f32>(unit_of(axis));
-            (*way).place.facet = facet + side * vec2<i32>(unit_of(axis).xy);
-            (*way).place.order = Order(
-                select(order.third, order.second, ahead),
-                select(order.first, order.third, ahead),
-                select(order.second, order.first, ahead),
+            (*segments).place.facet = facet + side * vec2<i32>(unit_of(axis).xy);
+            (*segments).place.tetrahedron = KuhnTetrahedron(
+                select(tetrahedron.third, tetrahedron.second, ahead),
+                select(tetrahedron.first, tetrahedron.third, ahead),
+                select(tetrahedron.second, tetrahedron.first, ahead),
             );
         }
     }
-    (*way).place.shares = next;
+    (*segments).place.coordinates = next;
     return true;
 }
 
-// The next part of a ray to look for something in; false at the end. `stretches` counts those before.
-fn goes_on(way: ptr<function, Way>, stretches: u32) -> bool {
+// The next part of a ray to look for something in; false at the end. `count` is how many came before.
+fn goes_on(segments: ptr<function, RaySegments>, count: u32) -> bool {
     if !BENT {
-        return stretches == 0u;
+        return count == 0u;
     }
-    return stretches < MOST_STRETCHES && next_stretch(way, stretches == 0u);
+    return count < MOST_SEGMENTS && next_segment(segments, count == 0u);
 }
 
-// What was found in a stretch, as found by the whole ray.
-fn placed(at: Scatter, way: Way) -> Scatter {
+// What was found in a segment, as found by the whole ray.
+fn placed(at: Scatter, segments: RaySegments) -> Scatter {
     var found = at;
     if BENT {
-        found.t = way.t_before + at.t * way.world_per_sheet;
+        found.t = segments.t_before + at.t * segments.world_per_sheet;
     }
     return found;
 }

@@ -21,9 +21,9 @@ struct FromLight {
 fn from_area(area: AreaLight, point: vec3<f32>, u: vec2<f32>) -> FromLight {
     let side = 2.0 * u - 1.0;
     let place = area.centre.xyz + side.x * area.half_width.xyz + side.y * area.half_height.xyz;
-    let way = place - point;
-    let squared = max(dot(way, way), 1.0e-12);
-    let direction = way * inverseSqrt(squared);
+    let offset = place - point;
+    let squared = max(dot(offset, offset), 1.0e-12);
+    let direction = offset * inverseSqrt(squared);
     let cosine = max(-dot(area.facing.xyz, direction), 0.0);
     return FromLight(direction, area.intensity.xyz * (cosine / squared));
 }
@@ -191,7 +191,7 @@ fn density_by_phase(at: Scatter, towards_eye: vec3<f32>, direction: vec3<f32>, s
 
 // A direction to the sky with three numbers: by the phase, and that of a drawn sky mostly by its light (one-sample balance
 // heuristic).
-fn draw_sky(at: Scatter, turn: Turn, towards_eye: vec3<f32>, u: vec3<f32>) -> Drawn {
+fn draw_sky(at: Scatter, rotation: Rotation, towards_eye: vec3<f32>, u: vec3<f32>) -> Drawn {
     if !DRAWN_SKY {
         return draw_sky_direction(at, towards_eye, u);
     }
@@ -201,7 +201,7 @@ fn draw_sky(at: Scatter, turn: Turn, towards_eye: vec3<f32>, u: vec3<f32>) -> Dr
     let looks_down = select(scene.looks_down, 0.5, BENT);
     if u.x >= PHASE_SHARE {
         let rest = min((u.x - PHASE_SHARE) * (1.0 / (1.0 - PHASE_SHARE)), 0.99999994);
-        direction = sheet_from_world(turn, direction_by_light((u.z < looks_down) == above, vec2<f32>(rest, u.y)));
+        direction = sheet_from_world(rotation, direction_by_light((u.z < looks_down) == above, vec2<f32>(rest, u.y)));
     } else {
         let by_phase = vec3<f32>(u.x / PHASE_SHARE, u.yz);
         if at.what == GROUND && shows_fibres(at) {
@@ -210,7 +210,7 @@ fn draw_sky(at: Scatter, turn: Turn, towards_eye: vec3<f32>, u: vec3<f32>) -> Dr
             direction = draw_sky_direction(at, towards_eye, by_phase).direction;
         }
     }
-    let in_world = world_from_sheet(turn, direction);
+    let in_world = world_from_sheet(rotation, direction);
     let down = (direction.z < 0.0) == above && direction.z != 0.0;
     let down_in_world = (in_world.z < 0.0) == above && in_world.z != 0.0;
     let same_side = select(1.0 - scene.looks_down, scene.looks_down, down);

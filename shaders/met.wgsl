@@ -86,7 +86,7 @@ fn part_in_loop(line: LoopLine) -> vec2<f32> {
 }
 
 // A part of a ray's way through a block.
-struct Stretch {
+struct RaySegment {
     // The loops that the ray may be in somewhere in it, and how many.
     around: vec4<u32>,
     count: u32,
@@ -101,8 +101,8 @@ struct Stretch {
 
 // What is around a ray from `t` to `t_look` and on to where the next loop begins, of the loops `ahead`; the ray leaves the
 // block at `t_to`.
-fn stretch_from(ray: Ray, block: Block, ahead: vec4<u32>, t: f32, t_look: f32, t_to: f32) -> Stretch {
-    var stretch = Stretch(vec4<u32>(), 0u, vec4<u32>(), t_to, t, t_to);
+fn segment_from(ray: Ray, block: Block, ahead: vec4<u32>, t: f32, t_look: f32, t_to: f32) -> RaySegment {
+    var segment = RaySegment(vec4<u32>(), 0u, vec4<u32>(), t_to, t, t_to);
     for (var i = next_of(block, ahead, block.entries_start); i < block.entries_end; i = next_of(block, ahead, i + 1u)) {
         if COUNTERS {
             count_patch_tests += 1u;
@@ -111,16 +111,16 @@ fn stretch_from(ray: Ray, block: Block, ahead: vec4<u32>, t: f32, t_look: f32, t
         let begin = max(part.x, t);
         let end = min(part.y, t_to);
         if begin < end {
-            stretch.ahead = with_bit(stretch.ahead, i - block.entries_start);
+            segment.ahead = with_bit(segment.ahead, i - block.entries_start);
             if begin <= t_look {
-                stretch.around = with_bit(stretch.around, i - block.entries_start);
-                stretch.count += 1u;
-                stretch.begin = min(stretch.begin, begin);
-                stretch.end = max(stretch.end, end);
+                segment.around = with_bit(segment.around, i - block.entries_start);
+                segment.count += 1u;
+                segment.begin = min(segment.begin, begin);
+                segment.end = max(segment.end, end);
             } else {
-                stretch.next = min(stretch.next, begin);
+                segment.next = min(segment.next, begin);
             }
         }
     }
-    return stretch;
+    return segment;
 }

@@ -1,4 +1,4 @@
-// What is specialised: pipeline constants that host code derives from scene and settings (gpu/needs.rs), so that a
+// What is specialised: pipeline constants that host code derives from scene and settings (gpu/pipeline_key.rs), so that a
 // feature that a picture does not use costs nothing. Constants are shared with gpu/layout.rs.
 
 const METHOD_SINGLE: u32 = 0u;

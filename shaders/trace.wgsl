@@ -12,10 +12,10 @@ fn visibility(at: Scatter, towards_light: vec3<f32>, bounce: u32, random: ptr<fu
     if COUNTERS {
         count_shadow_rays += 1u;
     }
-    var way = way_begin(ray_from(at.cell, at.point, towards_light), true);
+    var segments = ray_segments(ray_from(at.cell, at.point, towards_light), true);
     var visible = 1.0;
-    for (var n = 0u; visible > 0.0 && goes_on(&way, n); n++) {
-        visible *= visibility_along(way.stretch, bounce, random);
+    for (var n = 0u; visible > 0.0 && goes_on(&segments, n); n++) {
+        visible *= visibility_along(segments.segment, bounce, random);
         let composited = METHOD != METHOD_TRACKED && (!LONG_PATHS || bounce == 1u);
         if BENT && OPAQUE_RAYS && composited && visible < BLOCKED {
             return 0.0;
@@ -53,10 +53,10 @@ fn scatter_along(ray: Ray, bounce: u32, film: vec4<f32>, random: ptr<function, P
         count_rays += 1u;
     }
     var depth_left = depth_of(1.0 - film.z);
-    var way = way_begin(ray, bounce > 1u);
+    var segments = ray_segments(ray, bounce > 1u);
     var at = no_scatter();
-    for (var n = 0u; at.what == NOTHING && goes_on(&way, n); n++) {
-        at = placed(scatter_in(way.stretch, bounce, film, &depth_left, random), way);
+    for (var n = 0u; at.what == NOTHING && goes_on(&segments, n); n++) {
+        at = placed(scatter_in(segments.segment, bounce, film, &depth_left, random), segments);
     }
     return at;
 }
@@ -81,7 +81,15 @@ fn scatter_in(
 }
 
 // Step 6: what arrives at a point from the lights and is scattered towards the eye.
-fn lit(at: Scatter, turn: Turn, towards_eye: vec3<f32>, bounce: u32, seed: u32, sample: u32, random: ptr<function, Pcg>) -> vec3<f32> {
+fn lit(
+    at: Scatter,
+    rotation: Rotation,
+    towards_eye: vec3<f32>,
+    bounce: u32,
+    seed: u32,
+    sample: u32,
+    random: ptr<function, Pcg>,
+) -> vec3<f32> {
     var sum = vec3<f32>();
     // `tracked`, and later scatterings, meet the environment where a path escapes, unless it is drawn.
     let is_cut_off = PATH_CUTOFF && bounce == slice.path_cutoff;
@@ -106,13 +114,13 @@ fn lit(at: Scatter, turn: Turn, towards_eye: vec3<f32>, bounce: u32, seed: u32, 
         let known = entry + i + u32(DRAWN_SKY && !is_source && u.x >= PHASE_SHARE);
         if is_source {
             let light = from_lamp(i, at, u.xy);
-            towards_light = sheet_from_world(turn, light.direction);
+            towards_light = sheet_from_world(rotation, light.direction);
             share = scattered(at, towards_eye, towards_light) * light.irradiance;
             diffuse_share = at.albedo * light.irradiance * (0.25 / PI);
         } else {
-            let drawn = draw_sky(at, turn, towards_eye, u);
+            let drawn = draw_sky(at, rotation, towards_eye, u);
             towards_light = drawn.direction;
-            share = drawn.weight * environment_radiance(world_from_sheet(turn, drawn.direction));
+            share = drawn.weight * environment_radiance(world_from_sheet(rotation, drawn.direction));
             diffuse_share = share;
         }
         if is_cut_off || max(max(share.x, share.y), share.z) > 0.0 {
@@ -125,7 +133,7 @@ fn lit(at: Scatter, turn: Turn, towards_eye: vec3<f32>, bounce: u32, seed: u32, 
                 }
             }
             if visible.x < 0.0 {
-                visible = vec2<f32>(visibility(at, world_from_sheet(turn, towards_light), bounce, random));
+                visible = vec2<f32>(visibility(at, world_from_sheet(rotation, towards_light), bounce, random));
                 if cached {
                     learn_shadow(known, visible.x);
                 }
@@ -161,9 +169,9 @@ fn trace_path(camera_ray: Ray, film: vec4<f32>, seed: u32, sample: u32) -> Path 
         if bounce > slice.bounces {
             break;
         }
-        let turn = turn_at(at);
-        let towards_eye = sheet_from_world(turn, -ray.direction);
-        path.radiance += throughput * lit(at, turn, towards_eye, bounce, seed, sample, &random);
+        let rotation = rotation_at(at);
+        let towards_eye = sheet_from_world(rotation, -ray.direction);
+        path.radiance += throughput * lit(at, rotation, towards_eye, bounce, seed, sample, &random);
 
         if PATH_CUTOFF && bounce == slice.path_cutoff {
             break;
@@ -177,7 +185,7 @@ fn trace_path(camera_ray: Ray, film: vec4<f32>, seed: u32, sample: u32) -> Path 
         }
         let onward = sample_set(seed, sample, set_at(bounce, SET_ONWARD));
         let drawn = draw_direction(at, towards_eye, onward.xy);
-        let onward_direction = world_from_sheet(turn, drawn.direction);
+        let onward_direction = world_from_sheet(rotation, drawn.direction);
         throughput *= drawn.weight;
         if !SHADOWS && !DRAWN_SKY && (METHOD == METHOD_TRACKED || bounce > 1u) {
             // Nothing is between the point and the environment: no ray needs to find out.
@@ -262,7 +270,7 @@ fn trace_main(@builtin(global_invocation_id) id: vec3<u32>) {
         let scramble = vec4<u32>(scramble_of(sample)) == vec4<u32>(0u, 1u, 2u, 3u);
         signed += select(vec4<f32>(), vec4<f32>(signed_sum), scramble);
         if AOV && met {
-            let normal = world_from_sheet(turn_at(path.first), path.first.normal);
+            let normal = world_from_sheet(rotation_at(path.first), path.first.normal);
             let facing = select(-1.0, 1.0, dot(normal, camera.ray.direction) <= 0.0) * normal;
             normal_depth += vec4<f32>(facing, (camera.from_eye + path.first.t) * scene.reference_size.w);
             albedo += vec4<f32>(path.first.albedo, 1.0);

@@ -1,8 +1,8 @@
 // Method `tracked` (MODEL.md §9): delta tracking (Woodcock 1965) through the summed densities of overlapping loops,
 // and ratio tracking (Novák et al. 2014) for shadow rays. Unbiased.
 //
-// A ray's part in a block is cut into stretches. In one only the loops around it are looked at, where there are none nothing is
-// spent, and the majorant is that of as many loops as are around.
+// A ray's part in a block is cut into segments. In one only the loops around it are looked at, where there are none
+// nothing is spent, and the majorant is that of as many loops as are around.
 
 // Densities at a point, summed over the loops of a block.
 struct Overlap {
@@ -31,7 +31,8 @@ struct Holder {
     at: vec3<f32>,
 }
 
-// The first loop from `start` on in a block's list that holds the point, of those around. A loop of its own, like next_met.
+// The first loop from `start` on in a block's list that holds the point, of those around. A loop of its own, like
+// next_met.
 fn next_holder(block: Block, around: vec4<u32>, start: u32, point: vec3<f32>) -> Holder {
     var holder = Holder(start, 0u, vec3<f32>());
     for (; holder.entry < block.entries_end; holder.entry++) {
@@ -93,8 +94,8 @@ struct Flight {
     // Whether the walk's block has been opened.
     begun: bool,
     block: Block,
-    stretch: Stretch,
-    // Tentative collisions in a millimetre of this stretch.
+    segment: RaySegment,
+    // Tentative collisions in a millimetre of this segment.
     rate: f32,
     // The way that is left of it.
     t: f32,
@@ -109,15 +110,15 @@ fn take_off(ray: Ray) -> Flight {
     return flight;
 }
 
-// Moves on to the next tentative collision, through as many stretches and blocks as it takes; false where the ray leaves the
-// cloth. A loop of its own, so that neighbouring threads come together at the costly look into the loops.
+// Moves on to the next tentative collision, through as many segments and blocks as it takes; false where the ray leaves
+// the cloth. A loop of its own, so that neighbouring threads come together at the costly look into the loops.
 fn fly(ray: Ray, flight: ptr<function, Flight>, random: ptr<function, Pcg>) -> bool {
     // 1 − random is in (0, 1], so the logarithm is finite.
     var depth = -log(1.0 - pcg_next(random));
     let limit = walk_limit();
     // Pointers to parts of a struct cannot be passed on in portable WGSL.
     var walk = (*flight).walk;
-    // In a block every stretch is farther on than the last.
+    // In a block every segment is farther on than the last.
     for (var n = 0u; n < limit && walk_goes_on(walk);) {
         let depth_here = (*flight).rate * ((*flight).t_to - (*flight).t);
         if depth < depth_here {
@@ -125,7 +126,7 @@ fn fly(ray: Ray, flight: ptr<function, Flight>, random: ptr<function, Pcg>) -> b
             return true;
         }
         depth -= depth_here;
-        var t = (*flight).stretch.next;
+        var t = (*flight).segment.next;
         if !(*flight).begun || !(t < walk.t_exit) {
             n++;
             if (*flight).begun {
@@ -140,22 +141,22 @@ fn fly(ray: Ray, flight: ptr<function, Flight>, random: ptr<function, Pcg>) -> b
             }
             (*flight).begun = true;
             (*flight).block = open_block(ray, walk.place, walk.t_enter, walk.t_exit, MEET_VOLUME);
-            (*flight).stretch.ahead = ALL_ENTRIES;
+            (*flight).segment.ahead = ALL_ENTRIES;
             t = walk.t_enter;
         }
-        let ahead = (*flight).stretch.ahead;
-        let stretch = stretch_from(ray, (*flight).block, ahead, t, t, walk.t_exit);
-        (*flight).stretch = stretch;
-        (*flight).rate = majorant(stretch.count);
-        (*flight).t = stretch.begin;
-        (*flight).t_to = max(stretch.begin, min(stretch.end, stretch.next));
+        let ahead = (*flight).segment.ahead;
+        let segment = segment_from(ray, (*flight).block, ahead, t, t, walk.t_exit);
+        (*flight).segment = segment;
+        (*flight).rate = majorant(segment.count);
+        (*flight).t = segment.begin;
+        (*flight).t_to = max(segment.begin, min(segment.end, segment.next));
     }
     return false;
 }
 
 fn overlap_on(ray: Ray, flight: Flight, random: ptr<function, Pcg>) -> Overlap {
     let point = origin_in_cell(ray, flight.block.place << vec2<u32>(scene.block_shift)) + flight.t * ray.direction;
-    return overlap_at(flight.block, flight.stretch.around, point, random);
+    return overlap_at(flight.block, flight.segment.around, point, random);
 }
 
 // The next collision of a ray, or the ground yarn it meets, or nothing.

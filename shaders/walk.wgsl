@@ -8,7 +8,7 @@ struct Ray {
     direction: vec3<f32>,
     // Distance at which the ray starts: 0, or the eye's, which lies before the origin of a camera's ray.
     t_start: f32,
-    // The part of it that is looked at: all, or a stretch of it through bent cloth.
+    // The part of it that is looked at: all, or a segment of it through bent cloth.
     t_from: f32,
     t_to: f32,
 }

@@ -1,7 +1,7 @@
-//! Eight loops of a block against a ray at once: their patches, and which of them the ray may cross at all. Most that heights
-//! and subcells leave over it passes by; a scalar solve of the rest finds where.
+//! Eight loops of a block against a ray at once: their patches, and which of them the ray may cross at all. Most that
+//! heights and subcells leave over it passes by; a scalar solve of the rest finds where.
 
-use super::block::{BlockRay, Listed};
+use super::block_ray::{BlockRay, Listed};
 use super::cloth::Cloth;
 use super::lanes::{LANES, Lanes, Vectors};
 
@@ -133,10 +133,12 @@ impl Batch {
         }
     }
 
-    /// A bit for each loop that the ray may cross: 0 for those whose patch has no point (u, v) in [0, 1]² on the ray's line.
+    /// A bit for each loop that the ray may cross: 0 for those whose patch has no point (u, v) in [0, 1]² on the ray's
+    /// line.
     ///
-    /// With the line's point m nearest to the patch's middle, a crossing (u′, v′) makes (m + u′b)·((c + u′A) × d) vanish, and
-    /// the same with b and c exchanged for v′. Neither quadratic can where its constant outweighs the rest in [−½, ½].
+    /// With the line's point m nearest to the patch's middle, a crossing (u′, v′) makes (m + u′b)·((c + u′A) × d)
+    /// vanish, and the same with b and c exchanged for v′. Neither quadratic can where its constant outweighs the rest
+    /// in [−½, ½].
     #[inline(always)]
     pub fn crossed<L: Lanes>(&self, cloth: &Cloth, part: &BlockRay) -> u32 {
         let Patches {

@@ -1,33 +1,12 @@
 //! The loops that a block lists, and which of them a ray may meet there.
 
-use glam::Vec3A;
-
 use super::batch::Batch;
+use super::block_ray::{BlockRay, Listed};
 use super::cloth::Cloth;
 use super::lanes::{LANES, Lanes};
 use super::walk::SquareSpan;
 use crate::geometry::Ray;
 use crate::scene::{BlockEntry, EntryLayout};
-
-/// The part of a ray in a block, relative to the centre of the block's first cell (x, y) and to the sheet (z), mm.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct BlockRay {
-    /// Where it enters.
-    pub point: Vec3A,
-    /// Unit vector.
-    pub direction: Vec3A,
-    /// Length of the part.
-    pub length: f32,
-}
-
-/// A loop that a block lists.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Listed {
-    /// Index in [`crate::scene::Loops::shapes`].
-    pub index: u32,
-    /// Centre of its own cell, relative to that of the block's first, mm.
-    pub cell: [f32; 2],
-}
 
 /// What of a loop a ray may meet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,8 +25,8 @@ struct Pieces {
     count: usize,
     /// All bits.
     subcells: u32,
-    /// The quadrant and the height at which the ray starts: of a loop that holds the start, a part lies ahead even where its
-    /// patch lies behind.
+    /// The quadrant and the height at which the ray starts: of a loop that holds the start, a part lies ahead even
+    /// where its patch lies behind.
     start: Option<(u32, f32)>,
 }
 
@@ -171,8 +150,8 @@ impl<'a> Block<'a> {
         !(low <= own[1] && high >= own[0])
     }
 
-    /// The loops of which a ray may meet this part; `starts` tells that the ray begins in the block. All loops if nothing is
-    /// `skipped`.
+    /// The loops of which a ray may meet this part; `starts` tells that the ray begins in the block. All loops if
+    /// nothing is `skipped`.
     #[inline(always)]
     pub fn met_by(
         &self,
@@ -238,8 +217,8 @@ pub(super) struct MetLoops<'a> {
 }
 
 impl MetLoops<'_> {
-    /// Adds loops to a batch until it is full, or none is left: then the answer is false. Loops that are not `wanted` are left
-    /// out.
+    /// Adds loops to a batch until it is full, or none is left: then the answer is false. Loops that are not `wanted`
+    /// are left out.
     #[inline(always)]
     pub fn fill<L: Lanes>(
         &mut self,

@@ -1,16 +1,18 @@
-//! Compositing along a ray for `single` and `layered` (MODEL.md §9; the paper's §6, steps 3 to 5): which event a camera ray
-//! shows, and what a shadow ray lets through.
+//! Compositing along a ray for `single` and `layered` (MODEL.md §9; the paper's §6, steps 3 to 5): which event a camera
+//! ray shows, and what a shadow ray lets through.
 //!
-//! A loop is solved once a ray, in the first block that lists it. What that finds is a camera ray's business in the block
-//! that holds it, and until then waits in [`Scratch::pending`]; a shadow ray takes it at once, since the order of what takes
-//! light away does not matter to what is left.
+//! A loop is solved once a ray, in the first block that lists it. What that finds is a camera ray's business in the
+//! block that holds it, and until then waits in [`Scratch::pending`]; a shadow ray takes it at once, since the order of
+//! what takes light away does not matter to what is left.
 
 use glam::Vec3A;
 
 use super::batch::Batch;
-use super::block::{BlockRay, Listed, LoopPart};
+use super::block::LoopPart;
+use super::block_ray::{BlockRay, Listed};
 use super::crossing::Crossing;
-use super::form::{Start, Stretch};
+use super::event::Event;
+use super::form::RaySegment;
 use super::lanes::Lanes;
 use super::walk::SquareSpan;
 use super::{Scratch, Tracer};
@@ -18,59 +20,45 @@ use crate::design::Method;
 use crate::geometry::Ray;
 use crate::optics::Vertex;
 use crate::render::Counters;
+use crate::transport::Start;
 
 /// Optical depth of a shadow ray from which on it counts as dark: a transmittance of 10⁻⁴, invisible in 8 bits.
 const DARK_DEPTH: f32 = 9.210_34;
-
-/// Something that takes light from a ray.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Event {
-    /// Place in the order of events, mm from where the ray came to the cloth.
-    pub t: f32,
-    /// What is taken, as an optical depth.
-    pub depth: f32,
-    /// Index of the loop.
-    pub index: u32,
-    pub crossing: Crossing,
-    /// Where the block begins that the crossing is told from, mm from where the ray came to the cloth.
-    pub found_from: f32,
-}
 
 impl Tracer {
     /// The first event at which the transmittance along a camera ray falls below `xi`, as the point that scatters; each
     /// event is chosen with its share T·opacity of the light, so that the point counts with weight 1.
     #[inline(always)]
-    pub fn first_event<L: Lanes>(
+    pub(super) fn first_event<L: Lanes>(
         &self,
         ray: &Ray,
-        start: Start,
         xi: f64,
         scratch: &mut Scratch,
     ) -> Option<Vertex> {
         scratch.counters.rays += 1;
         let limit = -(xi.ln() as f32);
         let mut depth = 0.0;
-        for stretch in self.way(ray, start) {
-            let vertex = self.first_event_of::<L>(&stretch, limit, &mut depth, scratch);
+        for segment in self.segments(ray, Start::Eye) {
+            let vertex = self.first_event_of::<L>(&segment, limit, &mut depth, scratch);
             if let Some(vertex) = vertex {
-                return Some(stretch.place(vertex));
+                return Some(segment.place(vertex));
             }
         }
         None
     }
 
-    /// The same in one stretch of the ray: where `depth`, which grows, exceeds a limit.
+    /// The first event in one segment of a camera ray at which `depth`, which grows, exceeds a limit.
     #[inline(always)]
     fn first_event_of<L: Lanes>(
         &self,
-        stretch: &Stretch,
+        segment: &RaySegment,
         limit: f32,
         depth: &mut f32,
         scratch: &mut Scratch,
     ) -> Option<Vertex> {
         let cloth = &self.cloth;
-        let ray = &stretch.ray;
-        let part = self.part_in_cloth(ray, stretch.part);
+        let ray = &segment.ray;
+        let part = self.part_in_cloth(ray, segment.part);
         scratch.pending.clear();
         scratch.mailbox.clear();
         let ground_layer = self.ground_layer(ray, part);
@@ -118,23 +106,18 @@ impl Tracer {
 
     /// Share of light that comes through along a shadow ray.
     #[inline(always)]
-    pub fn composited_visibility<L: Lanes>(
-        &self,
-        ray: &Ray,
-        start: Start,
-        scratch: &mut Scratch,
-    ) -> f64 {
+    pub(super) fn composited_visibility<L: Lanes>(&self, ray: &Ray, scratch: &mut Scratch) -> f64 {
         scratch.counters.shadow_rays += 1;
         let cloth = &self.cloth;
         let mut depth = 0.0;
-        for stretch in self.way(ray, start) {
-            let ray = &stretch.ray;
-            if self.is_blocked_by_ground(ray, stretch.part, scratch) {
+        for segment in self.segments(ray, Start::Cloth) {
+            let ray = &segment.ray;
+            if self.is_blocked_by_ground(ray, segment.part, scratch) {
                 return 0.0;
             }
-            let part = (cloth.grid).clip_blocks(ray, stretch.part, cloth.grid.loop_heights);
-            // Of a loop that is solved here, another stretch may hold the crossing.
-            let end = (stretch.part[1] - part[0]) as f32;
+            let part = (cloth.grid).clip_blocks(ray, segment.part, cloth.grid.loop_heights);
+            // Of a loop that is solved here, another segment may hold the crossing.
+            let end = (segment.part[1] - part[0]) as f32;
             scratch.mailbox.clear();
             for span in cloth.grid.blocks(ray, part) {
                 scratch.counters.cells += 1;
@@ -153,8 +136,9 @@ impl Tracer {
         f64::from(-depth).exp()
     }
 
-    /// Calls `found` for all events, here or further on, of the loops that a ray may meet in a block and that it has not
-    /// solved before. The block begins `from` mm from where the ray came to the cloth, and that is `start` mm from its origin.
+    /// Calls `found` for all events, here or further on, of the loops that a ray may meet in a block and that it has
+    /// not solved before. The block begins `from` mm from where the ray came to the cloth, and that is `start` mm from
+    /// its origin.
     #[inline(always)]
     fn solve_block<L: Lanes>(
         &self,
@@ -230,8 +214,8 @@ impl Tracer {
         batch.clear();
     }
 
-    /// The events of one loop. `from` and `travelled` are the distances of the part's beginning from where the ray came to
-    /// the cloth, and from its origin.
+    /// The events of one loop. `from` and `travelled` are the distances of the part's beginning from where the ray came
+    /// to the cloth, and from its origin.
     #[inline(always)]
     fn solve(
         &self,
@@ -307,8 +291,8 @@ impl Tracer {
         found: &mut impl FnMut(Event),
     ) {
         let t = crossing.t();
-        // Crossings before this block were found in an earlier one, but for those behind a ray that begins here. Where loops
-        // are solved in every block that lists them, each block takes its own crossings only.
+        // Crossings before this block were found in an earlier one, but for those behind a ray that begins here. Where
+        // loops are solved in every block that lists them, each block takes its own crossings only.
         if t < 0.0 && travelled > 0.0 || !self.remembers_tests && t >= part.length {
             return;
         }

@@ -1,9 +1,9 @@
 //! A ray's way through a loop for `single` and `layered` (MODEL.md §9), in f32: intervals, slabs, optical depth.
 //!
 //! `single`, the paper's §5.2: at a crossing (u₀, v₀, t₀) of the middle patch the ray is mapped linearly into the loop:
-//! (u, v, w) = (u₀, v₀, 0) + τ·J⁻¹·direction, τ = t − t₀. Kept are the τ within the box, on this crossing's side of the middle
-//! between two crossings, within √(h/(2|κ|)), and ahead of the ray's origin; the slabs of the layers cut them into pieces.
-//! `layered`: every layer is a patch of its own, and each crossing of one a piece.
+//! (u, v, w) = (u₀, v₀, 0) + τ·J⁻¹·direction, τ = t − t₀. Kept are the τ within the box, on this crossing's side of the
+//! middle between two crossings, within √(h/(2|κ|)), and ahead of the ray's origin; the slabs of the layers cut them
+//! into pieces. `layered`: every layer is a patch of its own, and each crossing of one a piece.
 
 use glam::Vec3A;
 
@@ -33,8 +33,8 @@ pub(super) struct MeanPoint {
 }
 
 impl Crossing {
-    /// Crossing number `which` of the middle patch; `None` where none of the ray is left of it. The ray's point is `travelled`
-    /// mm from its origin.
+    /// Crossing number `which` of the middle patch; `None` where none of the ray is left of it. The ray's point is
+    /// `travelled` mm from its origin.
     #[inline(always)]
     pub fn of_middle(
         patch: &Patch,

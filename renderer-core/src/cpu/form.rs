@@ -1,7 +1,7 @@
-//! Rays through bent cloth: from one of its tetrahedra to the next through the face they share, and across the air between
-//! layers by the boxes around facets.
+//! Rays through bent cloth: from one of its tetrahedra to the next through the face they share, and across the air
+//! between layers by the boxes around facets.
 //!
-//! Level cloth has one stretch, the whole ray, and costs nothing more.
+//! Level cloth has one segment, the whole ray, and costs nothing more.
 
 use glam::{DMat3, DVec3};
 
@@ -9,25 +9,17 @@ use super::Tracer;
 use crate::geometry::Ray;
 use crate::optics::Vertex;
 use crate::scene::{FormMesh, KuhnTetrahedron, TetMap};
+use crate::transport::Start;
 
-/// Stretches of one ray: far more than there are in any; rounding must not send a ray around an edge for ever.
-const MOST_STRETCHES: u32 = 1 << 16;
+/// Segments of one ray: far more than there are in any; rounding must not send a ray around an edge for ever.
+const MOST_SEGMENTS: u32 = 1 << 16;
 /// Boxes that wait to be looked into: three for each of up to 12 levels, and one.
 const MOST_WAITING: usize = 48;
 
-/// Where a ray starts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Start {
-    /// Somewhere in the world.
-    Eye,
-    /// At a point of the flat sheet; its direction is of the world all the same.
-    Cloth,
-}
-
 /// A part of a ray within which world and sheet differ by an affine map only.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Stretch {
-    /// The ray in sheet space; t = 0 is where the whole ray starts, told as if the map were this one all the way.
+pub(super) struct RaySegment {
+    /// The ray in sheet space; t = 0 is where the whole ray starts, as if the map were this one from there on.
     pub ray: Ray,
     /// The part, mm of the sheet.
     pub part: [f64; 2],
@@ -37,8 +29,8 @@ pub(super) struct Stretch {
     world_from_sheet: Option<DMat3>,
 }
 
-impl Stretch {
-    /// A vertex found at a distance of this stretch's ray, as one of the whole ray.
+impl RaySegment {
+    /// A vertex found at a distance of this segment's ray, as one of the whole ray.
     #[inline(always)]
     pub fn place(&self, vertex: Vertex) -> Vertex {
         match self.world_from_sheet {
@@ -52,17 +44,17 @@ impl Stretch {
     }
 }
 
-/// The stretches of a ray, front to back.
+/// The segments of a ray, front to back.
 #[derive(Debug)]
-pub(super) enum Way<'a> {
+pub(super) enum RaySegments<'a> {
     /// The ray, until it is taken.
     Level(Option<Ray>),
-    Bent(BentWay<'a>),
+    Bent(BentSegments<'a>),
 }
 
 /// A ray's way through bent cloth.
 #[derive(Debug)]
-pub(super) struct BentWay<'a> {
+pub(super) struct BentSegments<'a> {
     mesh: &'a FormMesh,
     /// World.
     ray: Ray,
@@ -74,40 +66,34 @@ pub(super) struct BentWay<'a> {
 }
 
 impl Tracer {
-    /// How the directions of a vertex of bent cloth are turned into the world's.
+    /// The segments of a ray.
     #[inline(always)]
-    pub(super) fn turn_of(&self, vertex: &Vertex) -> Option<DMat3> {
-        (self.cloth.scene.form.is_some()).then_some(vertex.world_from_sheet)
-    }
-
-    /// The stretches of a ray.
-    #[inline(always)]
-    pub(super) fn way(&self, ray: &Ray, start: Start) -> Way<'_> {
+    pub(super) fn segments(&self, ray: &Ray, start: Start) -> RaySegments<'_> {
         match &*self.cloth.scene.form {
-            Some(mesh) => Way::Bent(BentWay::new(mesh, ray, start)),
-            None => Way::Level(Some(*ray)),
+            Some(mesh) => RaySegments::Bent(BentSegments::new(mesh, ray, start)),
+            None => RaySegments::Level(Some(*ray)),
         }
     }
 }
 
-impl Iterator for Way<'_> {
-    type Item = Stretch;
+impl Iterator for RaySegments<'_> {
+    type Item = RaySegment;
 
     #[inline(always)]
-    fn next(&mut self) -> Option<Stretch> {
+    fn next(&mut self) -> Option<RaySegment> {
         match self {
-            Self::Level(ray) => ray.take().map(|ray| Stretch {
+            Self::Level(ray) => ray.take().map(|ray| RaySegment {
                 ray,
                 part: [0.0, f64::INFINITY],
                 world_per_sheet: 1.0,
                 world_from_sheet: None,
             }),
-            Self::Bent(way) => way.next_stretch(),
+            Self::Bent(segments) => segments.next_segment(),
         }
     }
 }
 
-impl<'a> BentWay<'a> {
+impl<'a> BentSegments<'a> {
     fn new(mesh: &'a FormMesh, ray: &Ray, start: Start) -> Self {
         let (origin, inside) = match start {
             Start::Eye => (ray.origin, mesh.holding(ray.origin)),
@@ -128,12 +114,12 @@ impl<'a> BentWay<'a> {
             },
             t: 0.0,
             inside,
-            steps_left: MOST_STRETCHES,
+            steps_left: MOST_SEGMENTS,
         }
     }
 
     #[inline(never)]
-    fn next_stretch(&mut self) -> Option<Stretch> {
+    fn next_segment(&mut self) -> Option<RaySegment> {
         while self.steps_left > 0 {
             self.steps_left -= 1;
             let (facet, tetrahedron) = match self.inside {
@@ -153,26 +139,26 @@ impl<'a> BentWay<'a> {
             self.t = leaves.max(from);
             self.inside = next.filter(|&(facet, _)| self.mesh.has(facet));
             if from < self.t {
-                return Some(self.stretch(facet, &map, origin, slope, from));
+                return Some(self.segment(facet, &map, origin, slope, from));
             }
         }
         None
     }
 
-    fn stretch(
+    fn segment(
         &self,
         facet: [i64; 2],
         map: &TetMap,
         origin: DVec3,
         slope: DVec3,
         from: f64,
-    ) -> Stretch {
-        let way = slope * self.mesh.facet_mm();
-        let sheet_per_world = way.length();
-        Stretch {
+    ) -> RaySegment {
+        let direction = slope * self.mesh.facet_mm();
+        let sheet_per_world = direction.length();
+        RaySegment {
             ray: Ray {
                 origin: self.mesh.sheet_of(facet, origin),
-                direction: way / sheet_per_world,
+                direction: direction / sheet_per_world,
             },
             part: [from * sheet_per_world, self.t * sheet_per_world],
             world_per_sheet: 1.0 / sheet_per_world,
@@ -244,8 +230,8 @@ impl<'a> BentWay<'a> {
     }
 }
 
-/// Where a ray leaves a tetrahedron, and into which it goes; `None` out of the cloth. `origin` and `slope` are coordinates of the
-/// facet.
+/// Where a ray leaves a tetrahedron, and into which it goes; `None` out of the cloth. `origin` and `slope` are coordinates
+/// of the facet.
 fn exit(
     facet: [i64; 2],
     [first, second, third]: KuhnTetrahedron,

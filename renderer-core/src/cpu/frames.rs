@@ -5,12 +5,12 @@
 //! products are made once for a loop, and a point costs a square root.
 
 use super::batch::{Batch, Patches};
-use super::block::BlockRay;
+use super::block_ray::BlockRay;
 use super::cloth::Cloth;
 use super::lanes::{LANES, Lanes, Vectors};
 
-/// By how much frames are taken to be thicker where the part of a ray is looked for that may be in them: rounding of the bent
-/// surfaces' coefficients is below a ten-thousandth of usual thicknesses.
+/// By how much frames are taken to be thicker where the part of a ray is looked for that may be in them: rounding of
+/// the bent surfaces' coefficients is below a ten-thousandth of usual thicknesses.
 const WIDENED: f32 = 1.001;
 
 /// Eight frames, each with the part of the ray that may be in it; t in mm from the ray's point.
@@ -229,8 +229,8 @@ impl Frames {
 
     /// Where eight equal pieces of the ray's part in one frame are in it; u and v from 0 to 1, w from −½ to ½.
     ///
-    /// p, q and height are linear along the ray: their ends in a piece bound them. From u′ = p/(1 + αv′) and v′ = q/(1 + βu′)
-    /// follow bounds of u′ and v′, better ones each time, and from those of their product that of w.
+    /// p, q and height are linear along the ray: their ends in a piece bound them. From u′ = p/(1 + αv′) and v′ = q/(1
+    /// + βu′) follow bounds of u′ and v′, better ones each time, and from those of their product that of w.
     #[inline(always)]
     pub fn pieces<L: Lanes>(&self, lane: usize, thickness: f32) -> Pieces {
         let lane = lane & (LANES - 1);
@@ -269,7 +269,8 @@ impl Frames {
         }
     }
 
-    /// Makes `lane`, which is free, a part of the one that `from` is in `others`: its `first` of eight pieces, and so many more.
+    /// Makes `lane`, which is free, a part of the one that `from` is in `others`: its `first` of eight pieces, and so
+    /// many more.
     #[inline(always)]
     pub fn put_part(&mut self, lane: usize, others: &Self, from: usize, first: u32, count: u32) {
         let from = from & (LANES - 1);

@@ -1,10 +1,10 @@
 //! The ground weave (MODEL.md §7) in f32: where a ray meets a yarn, and whether it does.
 //!
-//! Space: relative to a cell's centre, mm. Yarns lie in a thin layer about the sheet, so a ray looks at the few cells that
-//! it passes inside that layer, and at nothing where it stays above or below.
+//! Space: relative to a cell's centre, mm. Yarns lie in a thin layer about the sheet, so a ray looks at the few cells
+//! that it passes inside that layer, and at nothing where it stays above or below.
 //!
-//! - `winding`: the round tube x² + (z − H·s(y))² = R², x across and y along the yarn, met from outside by steps that cannot
-//!   pass it. Over its own cell a yarn stays on one side of the sheet: its heights there bound the ray first.
+//! - `winding`: the round tube x² + (z − H·s(y))² = R², x across and y along the yarn, met from outside by steps that
+//!   cannot pass it. Over its own cell a yarn stays on one side of the sheet: its heights there bound the ray first.
 //! - `paper`: the thin height field z = A·s of equations 1 and 2, by fixed steps over the yarn's strip.
 
 use std::f32::consts::PI;
@@ -175,8 +175,8 @@ impl Ground {
         nearest
     }
 
-    /// A yarn met where it is cut, at the sheet's border: the only place where a ray can come to be inside one. (A ray that
-    /// starts inside meets the yarn there, too, and goes nowhere.)
+    /// A yarn met where it is cut, at the sheet's border: the only place where a ray can come to be inside one. (A ray
+    /// that starts inside meets the yarn there, too, and goes nowhere.)
     #[inline(always)]
     fn cut_end(&self, point: Vec3A, t: f32) -> Local {
         let normal = if point.x.abs() * self.pitch[1] > point.y.abs() * self.pitch[0] {
@@ -191,8 +191,8 @@ impl Ground {
         }
     }
 
-    /// The yarn `offset` places beside the one through the centre of a cell; set 0 is the warps. `index` is the place of that
-    /// yarn's cell in the repeat.
+    /// The yarn `offset` places beside the one through the centre of a cell; set 0 is the warps. `index` is the place
+    /// of that yarn's cell in the repeat.
     #[inline(always)]
     fn yarn(&self, set: usize, index: usize, offset: i64) -> Yarn {
         Yarn {
@@ -214,7 +214,8 @@ impl Ground {
     }
 }
 
-/// For each cell of the repeat s of its warp and of its weft, +1 over and −1 under, at the crossing before, here, and after.
+/// For each cell of the repeat s of its warp and of its weft, +1 over and −1 under, at the crossing before, here, and
+/// after.
 fn over_and_under(skeleton: &Skeleton) -> Vec<[[f32; 3]; 2]> {
     let [columns, rows] = skeleton.repeat.map(|cells| cells as usize);
     let warp = |i: usize, j: usize| {
@@ -316,9 +317,9 @@ impl Yarn {
 
     /// The first crossing with the tube of a ray that is outside it at the beginning of `part`.
     ///
-    /// With a = z − H·s(y), the tube is where g(t) = x² + a² − R² vanishes. Since g″ = 2(x′² + a′² − a·H·s″·y′²) is nowhere below
-    /// −M, M = 2(2H + R)·H·k²·y′², g stays above g + g′δ − ½Mδ² over a step δ: the step to where that vanishes never passes the
-    /// first crossing, and where the tube bends little it is Newton's.
+    /// With a = z − H·s(y), the tube is where g(t) = x² + a² − R² vanishes. Since g″ = 2(x′² + a′² − a·H·s″·y′²) is
+    /// nowhere below −M, M = 2(2H + R)·H·k²·y′², g stays above g + g′δ − ½Mδ² over a step δ: the step to where that
+    /// vanishes never passes the first crossing, and where the tube bends little it is Newton's.
     #[inline(always)]
     fn hit_tube(&self, point: Vec3A, direction: Vec3A, part: Span) -> Option<Local> {
         let (x_slope, y_slope) = self.axes(direction);
@@ -415,7 +416,8 @@ fn sine_and_cosine(x: f32) -> (f32, f32) {
     (sine, cosine)
 }
 
-/// The place where `f` falls through zero between a place where it is positive and one where it is not, on the positive side.
+/// The place where `f` falls through zero between a place where it is positive and one where it is not, on the positive
+/// side.
 ///
 /// False position in the Illinois variant: an end that stays twice counts half, so that both ends close in.
 #[inline(always)]

@@ -5,6 +5,16 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Sub};
 
 use glam::Vec3A;
 
+/// The instructions that the processor draws with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Instructions {
+    /// The widest that it has.
+    #[default]
+    Widest,
+    /// Those that the program was built for. The picture is the same to the bit.
+    Plain,
+}
+
 /// How many numbers there are.
 pub(super) const LANES: usize = 8;
 
@@ -232,7 +242,7 @@ pub(super) struct Vectors<L> {
 }
 
 impl<L: Lanes> Vectors<L> {
-    /// The same vector in each lane.
+    /// One vector in all lanes.
     #[inline(always)]
     pub fn splat(v: Vec3A) -> Self {
         Self {

@@ -1,10 +1,11 @@
 //! Ray against the bilinear patch of a loop, in f32; mm, relative to a point of the ray near by.
 //!
-//! With u′ = u − ½, v′ = v − ½ the patch is P = `middle` + u′b + v′c + u′v′A (MODEL.md §4). A ray meets a line of constant
-//! u′ or v′ where a product of three vectors vanishes, a quadratic solved with the sign-safe root (Reshetov, "Cool Patches",
-//! Ray Tracing Gems 2019, ch. 8; Wang's §5.2 solves the same system). Of the two families of lines the one is taken that runs
-//! less along the ray: rounding would choose among lines that all run along it. The ray's point nearest to the middle is the
-//! origin of the solve, since from far away the coefficients would be differences of large numbers.
+//! With u′ = u − ½, v′ = v − ½ the patch is P = `middle` + u′b + v′c + u′v′A (MODEL.md §4). A ray meets a line of
+//! constant u′ or v′ where a product of three vectors vanishes, a quadratic solved with the sign-safe root (Reshetov,
+//! "Cool Patches", Ray Tracing Gems 2019, ch. 8; Wang's §5.2 solves the same system). Of the two families of lines the
+//! one is taken that runs less along the ray: rounding would choose among lines that all run along it. The ray's point
+//! nearest to the middle is the origin of the solve, since from far away the coefficients would be differences of large
+//! numbers.
 
 use glam::Vec3A;
 
@@ -63,8 +64,8 @@ pub(super) struct Slopes {
     pub bend: f32,
 }
 
-/// Where a line of constant p, seen along the ray, is so much shorter than the patch (squared) that p needs another step:
-/// in twisted patches, whose lines differ in direction, and in pointed ones.
+/// Where a line of constant p, seen along the ray, is so much shorter than the patch (squared) that p needs another
+/// step: in twisted patches, whose lines differ in direction, and in pointed ones.
 const SHORT: f32 = 0.01;
 /// Projected areas are positive, since compile makes every loop convex, and above this (mm²), since it drops the
 /// degenerate; below, products of slopes would not be finite.
@@ -241,8 +242,8 @@ impl Span {
         self.high - self.low
     }
 
-    /// The part in which `value` + `slope`·t lies within `low` and `high`. A slope below 10⁻⁹ moves less than f32 resolves
-    /// over any interval inside a loop.
+    /// The part in which `value` + `slope`·t lies within `low` and `high`. A slope below 10⁻⁹ moves less than f32
+    /// resolves over any interval inside a loop.
     #[inline(always)]
     pub fn clip(self, value: f32, slope: f32, low: f32, high: f32) -> Self {
         let slope = if slope.abs() < 1e-9 { 1e-9 } else { slope };

@@ -1,16 +1,18 @@
 //! `tracked`: delta tracking (Woodcock) through the summed densities of all loops, and ratio tracking for shadow rays.
 //! Unbiased, without a step, overlaps exact (MODEL.md §9).
 //!
-//! In a block the loops that the ray may meet are looked up once, each with the part of the ray that may be in its frame. Where
-//! no part is, nothing is spent: the ray goes on to the next. Long parts are cut into eighths, of which those stay in which
-//! there is yarn: fur and grass are mostly air. In one frame σ is at most the densest material's, where frames overlap 1.5
-//! times that.
+//! In a block the loops that the ray may meet are looked up once, each with the part of the ray that may be in its
+//! frame. Where no part is, nothing is spent: the ray goes on to the next. Long parts are cut into eighths, of which
+//! those stay in which there is yarn: fur and grass are mostly air. In one frame σ is at most the densest material's,
+//! where frames overlap 1.5 times that.
 
 use std::ops::ControlFlow;
 
 use super::batch::Batch;
-use super::block::{Block, BlockRay, LoopPart};
-use super::form::{Start, Stretch};
+use super::block::{Block, LoopPart};
+use super::block_ray::BlockRay;
+use super::event::Overlap;
+use super::form::RaySegment;
 use super::frames::Frames;
 use super::ground::GroundHit;
 use super::lanes::{LANES, Lanes};
@@ -18,20 +20,12 @@ use super::{Scratch, Tracer};
 use crate::geometry::Ray;
 use crate::optics::Vertex;
 use crate::sampling::Pcg;
+use crate::transport::Start;
 
 /// How many times denser than one solid yarn overlapping yarns may be.
 const MOST_OVERLAP: f32 = 1.5;
 /// Transmittance of a shadow ray below which every second one ends and the other counts twice.
 const ROULETTE_BELOW: f32 = 1.0 / 16.0;
-
-/// One loop at a point.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Overlap {
-    index: u32,
-    place: [f32; 3],
-    /// Extinction by this loop, 1/mm.
-    sigma: f32,
-}
 
 /// A place where a ray may collide.
 struct Tentative {
@@ -46,7 +40,7 @@ struct Tentative {
 impl Tracer {
     /// Where a ray collides; `None` if it leaves the cloth.
     #[inline(always)]
-    pub fn collision<L: Lanes>(
+    pub(super) fn collision<L: Lanes>(
         &self,
         ray: &Ray,
         start: Start,
@@ -54,28 +48,29 @@ impl Tracer {
         scratch: &mut Scratch,
     ) -> Option<Vertex> {
         scratch.counters.rays += 1;
-        for stretch in self.way(ray, start) {
-            let vertex = self.collision_in::<L>(&stretch, pcg, scratch);
+        for segment in self.segments(ray, start) {
+            let vertex = self.collision_in::<L>(&segment, pcg, scratch);
             if let Some(vertex) = vertex {
-                return Some(stretch.place(vertex));
+                return Some(segment.place(vertex));
             }
         }
         None
     }
 
-    /// The same in one stretch of the ray. Free paths have no memory: each stretch begins another.
+    /// Where a ray collides in one of its segments. Free paths have no memory: each segment begins another.
     #[inline(always)]
     fn collision_in<L: Lanes>(
         &self,
-        stretch: &Stretch,
+        segment: &RaySegment,
         pcg: &mut Pcg,
         scratch: &mut Scratch,
     ) -> Option<Vertex> {
-        let ray = &stretch.ray;
-        let part = self.part_in_cloth(ray, stretch.part);
+        let ray = &segment.ray;
+        let part = self.part_in_cloth(ray, segment.part);
         let mut vertex = None;
         let ground = self.track::<L>(ray, part, true, pcg, scratch, |tentative, pcg, scratch| {
-            // One number decides both whether it collides and with which loop: with each in proportion to its part of σ.
+            // One number decides both whether it collides and with which loop: with each in proportion to its part of
+            // σ.
             let mut rest = pcg.next_float() * tentative.majorant;
             if rest >= tentative.sigma {
                 return ControlFlow::Continue(());
@@ -102,22 +97,21 @@ impl Tracer {
 
     /// Share of light that comes through along a shadow ray: random, with the right mean.
     #[inline(always)]
-    pub fn tracked_visibility<L: Lanes>(
+    pub(super) fn tracked_visibility<L: Lanes>(
         &self,
         ray: &Ray,
-        start: Start,
         pcg: &mut Pcg,
         scratch: &mut Scratch,
     ) -> f64 {
         scratch.counters.shadow_rays += 1;
         let grid = &self.cloth.grid;
         let mut transmittance = 1.0_f32;
-        for stretch in self.way(ray, start) {
-            let ray = &stretch.ray;
-            if self.is_blocked_by_ground(ray, stretch.part, scratch) {
+        for segment in self.segments(ray, Start::Cloth) {
+            let ray = &segment.ray;
+            if self.is_blocked_by_ground(ray, segment.part, scratch) {
                 return 0.0;
             }
-            let part = grid.clip_blocks(ray, stretch.part, grid.loop_heights);
+            let part = grid.clip_blocks(ray, segment.part, grid.loop_heights);
             self.track::<L>(ray, part, false, pcg, scratch, |tentative, pcg, scratch| {
                 scratch.counters.contributing_hits += 1;
                 transmittance *= 1.0 - tentative.sigma / tentative.majorant;
@@ -138,8 +132,8 @@ impl Tracer {
         f64::from(transmittance)
     }
 
-    /// Calls `collide` at the tentative collisions of a ray, in order, until it breaks or the ray meets the ground (if it is
-    /// to be looked for) or leaves the cloth; the ground's hit if it got there.
+    /// Calls `collide` at the tentative collisions of a ray, in order, until it breaks or the ray meets the ground (if
+    /// it is to be looked for) or leaves the cloth; the ground's hit if it got there.
     #[inline(always)]
     fn track<L: Lanes>(
         &self,
@@ -255,7 +249,8 @@ impl Tracer {
         full
     }
 
-    /// Calls `collide` at the tentative collisions in a part of a ray, `length` mm long, that begins at distance `start`.
+    /// Calls `collide` at the tentative collisions in a part of a ray, `length` mm long, that begins at distance
+    /// `start`.
     #[inline(always)]
     fn fly<L: Lanes>(
         &self,

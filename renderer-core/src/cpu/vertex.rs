@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3, Vec3A};
 
 use super::Tracer;
-use super::composite::Event;
+use super::event::Event;
 use super::ground::GroundHit;
 use super::patch::Patch;
 use crate::design::{Phase, SkeletonShading};
@@ -18,7 +18,7 @@ impl Tracer {
         let mean = event
             .crossing
             .mean_point(&cloth.yarn(event.index), cloth.layers());
-        // The crossing is told from the beginning of the block that found it.
+        // The crossing counts from the beginning of the block that found it.
         let t = start + f64::from(event.found_from) + f64::from(mean.t);
         self.loop_vertex(ray, event.index, t, mean.place, mean.shade)
     }

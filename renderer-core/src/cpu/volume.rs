@@ -11,8 +11,8 @@ use crate::scene::{LoopLook, PileOptics, Section, Volumes};
 pub(super) struct VoxelTable {
     /// ρ of a voxel and of its neighbours along u, along v, and along both, 255 = 1; clamped at the borders.
     quads: Vec<[u8; 4]>,
-    /// Of sparse volumes, for each and each (l, b, a) from 0 to layers, side and side: how many of the voxels before it along
-    /// all three axes are not empty. Nobody looks where others are empty.
+    /// Of sparse volumes, for each and each (l, b, a) from 0 to layers, side and side: how many of the voxels before it
+    /// along all three axes are not empty. Nobody looks where others are empty.
     full_before: Vec<u32>,
     /// Voxels along u and along v.
     side: usize,
@@ -240,8 +240,8 @@ impl Yarn<'_> {
         if rho > 0.0 { shaded / rho } else { 1.0 }
     }
 
-    /// ∂ρ/∂u, ∂ρ/∂v and ∂ρ/∂w at (u, v, w), without the fade: central differences, a voxel to each side along u and v, a
-    /// layer to each side along w; beyond the volume its border goes on.
+    /// ∂ρ/∂u, ∂ρ/∂v and ∂ρ/∂w at (u, v, w), without the fade: central differences, a voxel to each side along u and v,
+    /// a layer to each side along w; beyond the volume its border goes on.
     pub fn slopes(&self, place: [f32; 3]) -> DVec3 {
         let rho = |place| -> f32 {
             let weighted = |(voxel, weight): (usize, f32)| {

@@ -1,8 +1,8 @@
-//! The walk of a ray over squares of cells, front to back (Amanatides and Woo, Eurographics 1987): over the blocks that list
-//! loops, and over single cells for the ground weave.
+//! The walk of a ray over squares of cells, front to back (Amanatides and Woo, Eurographics 1987): over the blocks that
+//! list loops, and over single cells for the ground weave.
 //!
-//! Distances are f64 and computed from a square's number each time, not added up. A square's part of the ray is half open,
-//! and one square's `leave` is the next one's `enter` to the bit, so that a hit lies in exactly one.
+//! Distances are f64 and computed from a square's number each time, not added up. A square's part of the ray is half
+//! open, and one square's `leave` is the next one's `enter` to the bit, so that a hit lies in exactly one.
 
 use glam::{DVec2, DVec3};
 

@@ -1,24 +1,14 @@
-//! The wide instructions that most x86 processors of the last ten years have (AVX2): eight lanes, and what the baseline lacks
-//! in rounding and counting bits. Looked for when the program runs; on all other processors the same code runs in the
-//! instructions that the program was built for.
+//! The wide instructions that most x86 processors of the last ten years have (AVX2): eight lanes, and what the baseline
+//! lacks in rounding and counting bits. Looked for when the program runs; on all other processors the same code runs in
+//! the instructions that the program was built for.
 //!
-//! Lanes are fast only in code that is inlined into the function with these instructions, to the last closure: an iterator's
-//! `find_map` around a ray's stretches was not, every sum of eight became a call, and a sample took 1.4 times as long. So what
-//! calls code in lanes is a loop, and profiles should show no `_mm256_add_ps`.
+//! Lanes are fast only in code that is inlined into the function with these instructions, to the last closure: an
+//! iterator's `find_map` around a ray's segments was not, every sum of eight became a call, and a sample took 1.4 times
+//! as long. So what calls code in lanes is a loop, and profiles should show no `_mm256_add_ps`.
 
-use super::lanes::Plain;
+use super::lanes::{Instructions, Plain};
 use super::{Scratch, Tracer};
 use crate::render::accumulation::Sample;
-
-/// The instructions that the processor draws with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Instructions {
-    /// The widest that it has.
-    #[default]
-    Widest,
-    /// Those that the program was built for. The picture is the same to the bit.
-    Plain,
-}
 
 /// Sample `number` of `pixel`.
 pub(super) fn sample(
@@ -33,7 +23,7 @@ pub(super) fn sample(
     {
         return sample;
     }
-    tracer.sample_here::<Plain>(pixel, number, scratch)
+    tracer.sample_in::<Plain>(pixel, number, scratch)
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -49,7 +39,7 @@ mod avx2 {
     use crate::cpu::{Scratch, Tracer};
     use crate::render::accumulation::Sample;
 
-    /// [`Tracer::sample_here`] in eight lanes; `None` on a processor that has not all of the instructions.
+    /// [`Tracer::sample_in`] in eight lanes; `None` on a processor that has not all of the instructions.
     #[inline(always)]
     pub fn sample(
         tracer: &Tracer,
@@ -59,7 +49,7 @@ mod avx2 {
     ) -> Option<Sample> {
         #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
         fn in_avx2(tracer: &Tracer, pixel: [u32; 2], number: u32, scratch: &mut Scratch) -> Sample {
-            tracer.sample_here::<Avx2>(pixel, number, scratch)
+            tracer.sample_in::<Avx2>(pixel, number, scratch)
         }
         let has_all = is_x86_feature_detected!("avx2")
             && is_x86_feature_detected!("bmi1")
@@ -70,8 +60,8 @@ mod avx2 {
         has_all.then(|| unsafe { in_avx2(tracer, pixel, number, scratch) })
     }
 
-    /// Eight numbers in one register. Named in this module only, by `in_avx2`, so that no other code can make one: all `unsafe`
-    /// below relies on that.
+    /// Eight numbers in one register. Named in this module only, by `in_avx2`, so that no other code can make one: all
+    /// `unsafe` below relies on that.
     #[derive(Debug, Clone, Copy)]
     struct Avx2(__m256);
 

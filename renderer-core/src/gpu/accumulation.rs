@@ -1,5 +1,5 @@
-//! The sums of a picture on the device: several buffers where one would be larger than can be bound; and which of its tiles
-//! are drawn.
+//! The sums of a picture on the device: several buffers where one would be larger than can be bound; and which of its
+//! tiles are drawn.
 
 use std::ops::Range;
 
@@ -80,8 +80,8 @@ impl LevelBuffers {
 }
 
 impl Accumulation {
-    /// Makes room for the picture of `request`, all zeros; in the buffers of `old` where they fit, so that a moving camera
-    /// does not allocate. Counters of each level share the buffer of its `shadows`, if there are any.
+    /// Makes room for the picture of `request`, all zeros; in the buffers of `old` where they fit, so that a moving
+    /// camera does not allocate. Counters of each level share the buffer of its `shadows`, if there are any.
     ///
     /// # Errors
     /// When there is no room.
@@ -368,8 +368,8 @@ fn ray_tiles(request: &RenderRequest, across: u32, tiles: &[u32]) -> Vec<RayTile
         .collect()
 }
 
-/// A power of two, mm, of which f32 holds all whole multiples up to what a tile's pixels, and as many cells, lie apart: sums
-/// of multiples are exact.
+/// A power of two, mm, of which f32 holds all whole multiples up to what a tile's pixels, and as many cells, lie apart:
+/// sums of multiples are exact.
 fn quantum(dx: DVec3, dy: DVec3, pitch: DVec2) -> f64 {
     let far = f64::from(TILE) * (dx.abs().max_element() + dy.abs().max_element());
     let far = far.max(2.0 * pitch.max_element());

@@ -442,8 +442,8 @@ impl Backend for GpuBackend {
             let buffer_end = |place| accumulation.buffer_of(place).1;
             let settings = &work.request.settings;
             let samples = work.schedule.samples();
-            // Samples that learn shadows from each other come one by one. On software Vulkan all do: Mesa's ends the loops
-            // of a thread, whatever they are about, once they have made 65 536 turns together.
+            // Samples that learn shadows from each other come one by one. On software Vulkan all do: Mesa's ends the
+            // loops of a thread, whatever they are about, once they have made 65 536 turns together.
             let caches = work.key.cached_shadows;
             let learns = caches && settings.caches_shadows(samples);
             let most = if learns || self.context.is_software() {

@@ -1,5 +1,5 @@
-//! What programs are bound to: the places of group 1, what a layout says of each, and a dispatch with all of them bound.
-//! Group 0 of the tracing program is the scene's: `scene_bindings`.
+//! What programs are bound to: the places of group 1, what a layout says of each, and a dispatch with all of them
+//! bound. Group 0 of the tracing program is the scene's: `scene_bindings`.
 
 use super::GpuContext;
 use super::layout::Slice;

@@ -47,8 +47,8 @@ impl GpuContext {
         Self::from_device(device, queue, adapter.get_info(), watch)
     }
 
-    /// Uses a device that is there already, and whoever watches it. Its limits should be its adapter's: what is lower is
-    /// kept to.
+    /// Uses a device that is there already, and whoever watches it. Its limits should be its adapter's: what is lower
+    /// is kept to.
     ///
     /// # Errors
     /// When the device's limits are below what any picture needs.
@@ -82,10 +82,10 @@ impl GpuContext {
         can_keep.then(|| wgpu::util::pipeline_cache_key(&self.info))?
     }
 
-    /// Starts from pipelines kept earlier, and lets `save` keep what is made from now on. `bytes` must be what `save` was
-    /// given for a device of this [name](Self::pipelines_name), whole and unchanged: the caller sees to that, with a
-    /// checksum. Those of another version of driver or program are passed over. Whatever is wrong, pictures are made all the
-    /// same.
+    /// Starts from pipelines kept earlier, and lets `save` keep what is made from now on. `bytes` must be what `save`
+    /// was given for a device of this [name](Self::pipelines_name), whole and unchanged: the caller sees to that, with
+    /// a checksum. Those of another version of driver or program are passed over. Whatever is wrong, pictures are made
+    /// all the same.
     #[must_use]
     pub fn keep_pipelines(
         mut self,
@@ -201,7 +201,8 @@ fn best_adapter() -> Option<wgpu::Adapter> {
     usable_adapters().into_iter().min_by_key(by_rank)
 }
 
-/// All adapters that can compute what we need. OpenGL is left to windows that run on it: without one it is seldom there.
+/// All adapters that can compute what we need. OpenGL is left to windows that run on it: without one it is seldom
+/// there.
 pub(super) fn usable_adapters() -> Vec<wgpu::Adapter> {
     let backends = wgpu::Backends::PRIMARY;
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {

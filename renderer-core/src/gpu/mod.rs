@@ -1,16 +1,17 @@
 //! The GPU renderer: wgpu compute, in f32, on any adapter with compute shaders.
 //!
-//! A [`Scene`](crate::scene::Scene) is uploaded section by section (a section that is the same `Arc` as before keeps its
-//! buffers), and samples are added to an accumulation in slices of tiles × samples under a time budget. The mean is
+//! A [`Scene`](crate::scene::Scene) is uploaded section by section (a section that is the same `Arc` as before keeps
+//! its buffers), and samples are added to an accumulation in slices of tiles × samples under a time budget. The mean is
 //! resolved on the device: to a display texture for a window, or to linear pixels that are read back.
 //!
-//! - [`adapters`]: what this machine has. [`context`]: device and queue, own or another's. [`DeviceWatch`]: whether it is lost.
+//! - [`adapters`]: what this machine has. [`context`]: device and queue, own or another's. [`DeviceWatch`]: whether it
+//!   is lost.
 //! - [`layout`]: the only mirrors of WGSL structs. `bindings`: what programs are bound to.
-//! - [`shaders`]: the files of shaders/ put together. `program`: one of them on the device. [`pipeline_key`]: what of the
-//!   tracing program a scene uses. `pipelines`: all programs; `pipeline_compiler`: the thread that compiles tracing
+//! - [`shaders`]: the files of shaders/ put together. `program`: one of them on the device. [`pipeline_key`]: what of
+//!   the tracing program a scene uses. `pipelines`: all programs; `pipeline_compiler`: the thread that compiles tracing
 //!   pipelines; `pipeline_cache`: compiled ones that outlive the program.
-//! - `scene_bindings`: what of a scene is bound, in one table, with `scene_constants` and `scene_textures`. `upload`: a scene on the
-//!   device. `accumulation`: the sums. `schedule`: what to draw next, and how much.
+//! - `scene_bindings`: what of a scene is bound, in one table, with `scene_constants` and `scene_textures`. `upload`: a
+//!   scene on the device. `accumulation`: the sums. `schedule`: what to draw next, and how much.
 //! - `readback`: pictures, error estimate and counters back on the host. [`backend`]: all of it as a
 //!   [`Backend`](crate::render::Backend).
 //!

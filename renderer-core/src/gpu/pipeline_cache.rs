@@ -1,5 +1,5 @@
-//! Compiled pipelines that outlive the program, where the driver gives them out: what took seconds the first time is there
-//! at once the next. Whoever owns the disk reads and writes the bytes; this side knows only what they are for.
+//! Compiled pipelines that outlive the program, where the driver gives them out: what took seconds the first time is
+//! there at once the next. Whoever owns the disk reads and writes the bytes; this side knows only what they are for.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -67,8 +67,8 @@ fn new_cache(device: &wgpu::Device, bytes: Option<&[u8]>) -> wgpu::PipelineCache
         data: bytes,
         fallback: true,
     };
-    // SAFETY: the bytes are what `PipelineCache::get_data` returned, as `GpuContext::keep_pipelines` demands of its caller, who checks
-    // length and checksum of what comes from the disk. wgpu itself passes over bytes of another adapter, driver
-    // or layout (`fallback`), and the driver is bound by Vulkan to check what is left.
+    // SAFETY: the bytes are what `PipelineCache::get_data` returned, as `GpuContext::keep_pipelines` demands of its
+    // caller, who checks length and checksum of what comes from the disk. wgpu itself passes over bytes of another
+    // adapter, driver or layout (`fallback`), and the driver is bound by Vulkan to check what is left.
     unsafe { device.create_pipeline_cache(&descriptor) }
 }

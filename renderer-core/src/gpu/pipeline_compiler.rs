@@ -1,7 +1,9 @@
-//! Tracing pipelines, made on a thread of their own: compiling one takes a driver seconds, in which a window has to go on.
+//! Tracing pipelines, made on a thread of their own: compiling one takes a driver seconds, in which a window has to go
+//! on.
 //!
-//! There is one thread, and it makes one pipeline at a time: of all that is wanted meanwhile only the last counts, so that
-//! nothing piles up while a design changes. What is made is kept. A pipeline fits the key it was made for and no others.
+//! There is one thread, and it makes one pipeline at a time: of all that is wanted meanwhile only the last counts, so
+//! that nothing piles up while a design changes. What is made is kept. A pipeline fits the key it was made for and no
+//! others.
 
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -33,8 +33,9 @@ pub fn highlight_texture(context: &GpuContext, pile: &PileOptics) -> wgpu::Textu
     )
 }
 
-/// The picture of the sky in f32, since a sun in it may be too bright for less; a tiny one where there is none. Beside each texel
-/// its row's light up to it; in two more columns the upper half's and the lower half's light up to each of their rows.
+/// The picture of the sky in f32, since a sun in it may be too bright for less; a tiny one where there is none. Beside
+/// each texel its row's light up to it; in two more columns the upper half's and the lower half's light up to each of
+/// their rows.
 pub fn sky_texture(context: &GpuContext, sky: &Sky) -> wgpu::Texture {
     let (size, texels) = match sky {
         Sky::Image { image, .. } => {
@@ -120,7 +121,8 @@ pub fn voxel_texture(
     ))
 }
 
-/// As many of the six numbers of each voxel's tangents as `format` holds, from number `first` on; tiny where there are none.
+/// As many of the six numbers of each voxel's tangents as `format` holds, from number `first` on; tiny where there are
+/// none.
 ///
 /// # Errors
 /// When the device's textures are too small.

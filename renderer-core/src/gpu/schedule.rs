@@ -169,9 +169,9 @@ impl Pace {
             .map_or(FIRST_PATHS, |pace| (pace * time.as_secs_f64()) as u64)
     }
 
-    /// Learns from a finished dispatch. In a short one it is not the paths that take the time, so that it tells only if the
-    /// device is faster than thought. A device that turns out slower is believed at once (the picture may have become a
-    /// costly one, and a driver's watchdog waits a second or two), a faster one by and by.
+    /// Learns from a finished dispatch. In a short one it is not the paths that take the time, so that it tells only if
+    /// the device is faster than thought. A device that turns out slower is believed at once (the picture may have
+    /// become a costly one, and a driver's watchdog waits a second or two), a faster one by and by.
     pub fn learn(&mut self, paths: u64, time: Duration) {
         let measured = paths as f64 / time.as_secs_f64().max(1e-6);
         let is_slower = self.paths_per_second.is_some_and(|old| measured < old);

@@ -1,5 +1,5 @@
-//! The shadow cache on the device (see [`crate::render::shadow_cache`]): one buffer with the counters, so that the tracing
-//! program needs no more bindings than every device has.
+//! The shadow cache on the device (see [`crate::render::shadow_cache`]): one buffer with the counters, so that the
+//! tracing program needs no more bindings than every device has.
 
 use crate::render::shadow_cache::ShadowKey;
 use crate::render::{RenderError, RenderRequest};
@@ -22,7 +22,8 @@ pub struct ShadowMemory {
 }
 
 impl ShadowMemory {
-    /// For `request`: `old` if it knows the same shadows; `None` if the request has no use for it or the device no room.
+    /// For `request`: `old` if it knows the same shadows; `None` if the request has no use for it or the device no
+    /// room.
     ///
     /// # Errors
     /// When the device fails.

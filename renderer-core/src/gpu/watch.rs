@@ -1,6 +1,6 @@
 //! Notices when a device is lost (driver reset, card unplugged, machine resumed from sleep) and what it refuses outside
-//! of error scopes. Without this wgpu would panic on the latter and say nothing of the former: it drops the work of a lost
-//! device silently.
+//! of error scopes. Without this wgpu would panic on the latter and say nothing of the former: it drops the work of a
+//! lost device silently.
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 

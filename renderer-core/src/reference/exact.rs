@@ -1,9 +1,9 @@
-//! `exact`: the parts of a ray inside a loop from four clips and two quadratics (MODEL.md §4), cut wherever the volume's
-//! interpolation has a kink or a jump, so that within a piece σ of each loop is smooth. With `quality.step` → 0 this is
-//! the truth that all other methods are measured against (MODEL.md §9).
+//! `exact`: the parts of a ray inside a loop from four clips and two quadratics (MODEL.md §4), cut wherever the
+//! volume's interpolation has a kink or a jump, so that within a piece σ of each loop is smooth. With `quality.step` →
+//! 0 this is the truth that all other methods are measured against (MODEL.md §9).
 //!
-//! Cuts are: the ends of the parts; the planes of the texels' centres in u and v; and across the layers their interfaces
-//! where layers are slabs, their centres where they blend.
+//! Cuts are: the ends of the parts; the planes of the texels' centres in u and v; and across the layers their
+//! interfaces where layers are slabs, their centres where they blend.
 
 use super::march::{Inside, Met};
 use super::{LoopPlace, Tracer};

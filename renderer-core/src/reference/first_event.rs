@@ -1,5 +1,5 @@
-//! Compositing along a ray for `single` and `layered`: which event a camera ray shows, and what a shadow ray lets through
-//! (MODEL.md §9; the paper's §6, steps 3 to 5).
+//! Compositing along a ray for `single` and `layered`: which event a camera ray shows, and what a shadow ray lets
+//! through (MODEL.md §9; the paper's §6, steps 3 to 5).
 
 use super::layered::LayerCrossing;
 use super::single::Crossing;
@@ -38,8 +38,8 @@ impl Tracer {
     pub fn first_event(&self, ray: &Ray, xi: f64, scratch: &mut Scratch) -> Option<Vertex> {
         scratch.counters.rays += 1;
         let mut transmittance = 1.0;
-        for (stretch, span) in self.spans(ray) {
-            let ray = &stretch.ray;
+        for (segment, span) in self.spans(ray) {
+            let ray = &segment.ray;
             scratch.counters.cells += 1;
             scratch.events.clear();
             // Step 5: the skeleton is opaque. Loops of the far side are met in blocks behind its gaps.
@@ -60,7 +60,7 @@ impl Tracer {
                 // Step 4: what each lets through.
                 transmittance *= 1.0 - event.opacity;
                 if transmittance < xi {
-                    return Some(stretch.place(self.vertex_of(ray, event)));
+                    return Some(segment.place(self.vertex_of(ray, event)));
                 }
             }
         }
@@ -71,8 +71,8 @@ impl Tracer {
     pub fn composited_visibility(&self, ray: &Ray, scratch: &mut Scratch) -> f64 {
         scratch.counters.shadow_rays += 1;
         let mut transmittance = 1.0;
-        for (stretch, span) in self.spans(ray) {
-            let ray = &stretch.ray;
+        for (segment, span) in self.spans(ray) {
+            let ray = &segment.ray;
             scratch.counters.cells += 1;
             if self.skeleton_hit(ray, &span).is_some() {
                 return 0.0;

@@ -1,8 +1,8 @@
 //! `layered`: each layer of a loop's volume is a patch of its own, the middle patch moved along n̂ (MODEL.md §9).
 //!
 //! Every crossing of a layer's patch is an event at its own distance. Its slab is as long as the ray needs, with the
-//! slope w′ of the crossing, through one layer's thickness, cut to u and v in [0, 1] and to what lies ahead of the ray's
-//! origin. This keeps the rays that pass beside the middle patch, which `single` loses.
+//! slope w′ of the crossing, through one layer's thickness, cut to u and v in [0, 1] and to what lies ahead of the
+//! ray's origin. This keeps the rays that pass beside the middle patch, which `single` loses.
 
 use super::volume::LoopVolume;
 use super::{LoopPlace, Tracer};
@@ -12,7 +12,7 @@ use crate::render::Counters;
 /// Smallest |w′|, 1/mm; see `single`.
 const FLATTEST: f64 = 1e-6;
 
-/// A ray's way through one layer.
+/// A ray's passage through one layer.
 #[derive(Debug, Clone, Copy)]
 pub struct LayerCrossing {
     root: Root,

@@ -1,13 +1,13 @@
-//! Marching along a ray through the summed densities, for `exact` and `six-face`: which piece of a camera ray scatters, and
-//! what a shadow ray lets through (MODEL.md §8 and §9; the paper's figure 8, step by step).
+//! Marching along a ray through the summed densities, for `exact` and `six-face`: which piece of a camera ray scatters,
+//! and what a shadow ray lets through (MODEL.md §8 and §9; the paper's figure 8, step by step).
 //!
-//! In each block the method says which parts of the ray are inside loops and where the ray must be cut; between two cuts
-//! it is cut further into equal pieces of at most `quality.step`. A piece is uniform: all that it holds, σ, the shares of
-//! the loops in it, shade and fibres, comes from its middle, and it lets exp(−σ·length) through.
+//! In each block the method says which parts of the ray are inside loops and where the ray must be cut; between two
+//! cuts it is cut further into equal pieces of at most `quality.step`. A piece is uniform: all that it holds, σ, the
+//! shares of the loops in it, shade and fibres, comes from its middle, and it lets exp(−σ·length) through.
 
 use std::ops::ControlFlow;
 
-use super::form::Stretch;
+use super::form::RaySegment;
 use super::tracked::{Overlap, chosen, crowded};
 use super::walk::LoopPart;
 use super::{LoopPlace, Scratch, SkeletonHit, Span, Tracer};
@@ -56,7 +56,7 @@ impl Tracer {
         scratch.counters.rays += 1;
         let mut transmittance = 1.0;
         let mut vertex = None;
-        let skeleton = self.march(ray, scratch, |stretch, piece, overlaps| {
+        let skeleton = self.march(ray, scratch, |segment, piece, overlaps| {
             let left = transmittance * f64::exp(-piece.sigma * piece.length);
             if left >= xi {
                 transmittance = left;
@@ -64,8 +64,8 @@ impl Tracer {
             }
             let t = piece.start + f64::ln(transmittance / xi) / piece.sigma;
             vertex = chosen(overlaps, choice * piece.sigma).map(|overlap| {
-                let ray = &stretch.ray;
-                stretch.place(self.loop_vertex(
+                let ray = &segment.ray;
+                segment.place(self.loop_vertex(
                     ray,
                     overlap.place,
                     t,
@@ -75,7 +75,7 @@ impl Tracer {
             });
             ControlFlow::Break(())
         });
-        vertex.or_else(|| skeleton.map(|(stretch, hit)| self.ground_vertex(&stretch, hit)))
+        vertex.or_else(|| skeleton.map(|(segment, hit)| self.ground_vertex(&segment, hit)))
     }
 
     /// Share of light that comes through along a shadow ray.
@@ -97,16 +97,16 @@ impl Tracer {
         }
     }
 
-    /// Calls `visit` for the pieces of a ray that hold something, in order, until it breaks or the ray meets the skeleton
-    /// or leaves the cloth; the skeleton's hit if it got there.
+    /// Calls `visit` for the pieces of a ray that hold something, in order, until it breaks or the ray meets the
+    /// skeleton or leaves the cloth; the skeleton's hit if it got there.
     fn march(
         &self,
         ray: &Ray,
         scratch: &mut Scratch,
-        mut visit: impl FnMut(&Stretch, &Piece, &[Overlap]) -> ControlFlow<()>,
-    ) -> Option<(Stretch, SkeletonHit)> {
-        for (stretch, mut span) in self.spans(ray) {
-            let ray = &stretch.ray;
+        mut visit: impl FnMut(&RaySegment, &Piece, &[Overlap]) -> ControlFlow<()>,
+    ) -> Option<(RaySegment, SkeletonHit)> {
+        for (segment, mut span) in self.spans(ray) {
+            let ray = &segment.ray;
             scratch.counters.cells += 1;
             let skeleton = self.skeleton_hit(ray, &span);
             if let Some(hit) = skeleton {
@@ -115,14 +115,14 @@ impl Tracer {
             let mut met = std::mem::take(&mut scratch.met);
             self.meet(ray, &span, &mut met, scratch);
             let broke = self.march_block(ray, &met, scratch, |piece, overlaps| {
-                visit(&stretch, piece, overlaps)
+                visit(&segment, piece, overlaps)
             });
             scratch.met = met;
             if broke.is_break() {
                 return None;
             }
             if let Some(hit) = skeleton {
-                return Some((stretch, hit));
+                return Some((segment, hit));
             }
         }
         None

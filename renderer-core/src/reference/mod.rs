@@ -2,16 +2,17 @@
 //!
 //! The paper's §6 has six steps. Steps 1 and 2, skeleton and loop frames, are [`crate::scene`]'s. For each ray:
 //!
-//! - step 3, reflection of the yarn loops the ray crosses: `single` and `layered` find the crossings of a loop, `exact` and
-//!   `six_face` its parts inside the loop; `scatter` says how the chosen point scatters;
+//! - step 3, reflection of the yarn loops the ray crosses: `single` and `layered` find the crossings of a loop, `exact`
+//!   and `six_face` its parts inside the loop; [`crate::optics`] says how the chosen point scatters;
 //! - step 4, transmission through the loops: `first_event` composites crossings front to back, and shadow rays
 //!   multiply what they let through; `march` does both piece by piece, `tracked` with random free paths instead;
 //! - step 5, the skeleton and the loops on its other side, seen through its gaps: `skeleton`, and the one grid
 //!   walk (`walk`) over loops of both faces;
-//! - step 6, the sum of all these: `path`.
+//! - step 6, the sum of all these: [`PathTracer`](crate::transport::PathTracer), which meets the cloth by `medium`.
 //!
-//! Cloth that is bent is met stretch by stretch: `form`. Frames of loops are made once, and nothing is skipped beyond what the blocks' lists tell of where loops are and, for
-//! `tracked`, the part of a ray that can be in a loop, so that it stays plain.
+//! Cloth that is bent is met segment by segment: `form`. Frames of loops are made once, and nothing is skipped beyond
+//! what the blocks' lists say of where loops are and, for `tracked`, the part of a ray that can be in a loop, so that
+//! it stays plain.
 
 mod backend;
 mod exact;
@@ -20,7 +21,7 @@ mod form;
 mod layered;
 mod lookup;
 mod march;
-mod path;
+mod medium;
 mod single;
 mod six_face;
 mod skeleton;
@@ -33,10 +34,8 @@ use std::sync::Arc;
 use glam::DVec2;
 use rayon::prelude::*;
 
-use crate::geometry::Camera;
-use crate::geometry::{Interval, LoopFrame, Ray};
+use crate::geometry::{Camera, Interval, LoopFrame, Ray};
 use crate::optics::Optics;
-use crate::render::accumulation::Sample;
 use crate::render::{Counters, RenderRequest, Settings};
 use crate::scene::{Loops, Scene};
 
@@ -58,6 +57,8 @@ pub struct Tracer {
     optics: Arc<Optics>,
     /// Extinction of the densest material, 1/mm.
     densest_per_mm: f64,
+    /// Share of looks at the environment that go to the other side of the ground.
+    looks_down: f64,
 }
 
 /// Memory that rays reuse, one for each thread, and what they counted.
@@ -118,14 +119,10 @@ impl Tracer {
             frames,
             optics,
             densest_per_mm: densest,
+            looks_down: f64::from(scene.skeleton.worth_looking_down(&scene.sheet)),
             yarns,
             scene,
         }
-    }
-
-    /// Sample `number` of `pixel` of the whole picture.
-    pub fn sample(&self, pixel: [u32; 2], number: u32, scratch: &mut Scratch) -> Sample {
-        path::PathTracer::new(self, pixel, number, scratch).sample()
     }
 
     /// The camera's ray through `point`, in pixels from the top left.

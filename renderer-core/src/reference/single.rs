@@ -1,5 +1,5 @@
-//! `single`, the paper's §5.2: one crossing of a ray with a loop's middle patch stands for the ray's whole way through
-//! the loop (MODEL.md §9).
+//! `single`, the paper's §5.2: one crossing of a ray with a loop's middle patch stands for the ray's whole passage
+//! through the loop (MODEL.md §9).
 //!
 //! At a crossing (u₀, v₀, t₀) the ray is mapped linearly into the loop: (u, v, w) = (u₀, v₀, 0) + τ·J⁻¹·direction,
 //! τ = t − t₀. Kept is the interval of τ within the box, on this crossing's side of the middle between two
@@ -17,7 +17,7 @@ use crate::render::Counters;
 /// Smallest |w′|, 1/mm: keeps slabs finite for a ray that runs along the patch; u and v end it long before.
 const FLATTEST: f64 = 1e-6;
 
-/// A ray's way through a loop, as the crossing of the middle patch tells it.
+/// A ray's passage through a loop, as the crossing of the middle patch describes it.
 #[derive(Debug, Clone, Copy)]
 pub struct Crossing {
     root: Root,
@@ -120,7 +120,8 @@ impl Crossing {
 }
 
 impl Tracer {
-    /// The crossings of a ray with the middle patch of a loop, with the loop's frame; `ray` is relative to the loop's cell.
+    /// The crossings of a ray with the middle patch of a loop, with the loop's frame; `ray` is relative to the loop's
+    /// cell.
     pub(super) fn for_each_crossing(
         &self,
         ray: &Ray,

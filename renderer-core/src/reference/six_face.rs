@@ -1,9 +1,9 @@
-//! `six-face`: Kajiya's general form, as the paper's §5.2 describes what its own method avoids: the ray is intersected with
-//! the six bounding surfaces of a loop's volume, each P = A·u·v + B·u + C·v + D, and marched from where it enters to where
-//! it leaves, a voxel looked up at every step. It is the yardstick of the paper's "six times".
+//! `six-face`: Kajiya's general form, as the paper's §5.2 describes what its own method avoids: the ray is intersected
+//! with the six bounding surfaces of a loop's volume, each P = A·u·v + B·u + C·v + D, and marched from where it enters
+//! to where it leaves, a voxel looked up at every step. It is the yardstick of the paper's "six times".
 //!
-//! Each surface counts as one patch test. Nothing is known of what lies between entry and exit: the march has no cuts at
-//! voxels or layers, and looks a point up wherever it falls, also where the ray is outside for a while.
+//! Each surface counts as one patch test. Nothing is known of what lies between entry and exit: the march has no cuts
+//! at voxels or layers, and looks a point up wherever it falls, also where the ray is outside for a while.
 
 use super::march::{Inside, Met};
 use super::{LoopPlace, Tracer};
@@ -27,8 +27,8 @@ fn faces(frame: &LoopFrame) -> [BilinearPatch; 6] {
 }
 
 impl Tracer {
-    /// Adds the part of `span` of a ray between its first and its last crossing of a loop's surfaces; `ray` is relative to
-    /// the loop's cell.
+    /// Adds the part of `span` of a ray between its first and its last crossing of a loop's surfaces; `ray` is relative
+    /// to the loop's cell.
     pub(super) fn meet_faces(
         &self,
         ray: &Ray,

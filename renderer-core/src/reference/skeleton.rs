@@ -8,8 +8,8 @@
 //!   distance to the tube allows, divided by the fastest that distance can change along the ray.
 //! - `paper`: the thin height field z = A·s of equations 1 and 2, by fixed steps over the yarn's strip.
 //!
-//! Either crossing is then refined between its two sides. Yarns end at the sheet's border and have no walls beside their strip.
-//! Yarns wider than their pitch reach into their neighbours' cells; all that do are tested.
+//! Either crossing is then refined between its two sides. Yarns end at the sheet's border and have no walls beside
+//! their strip. Yarns wider than their pitch reach into their neighbours' cells; all that do are tested.
 
 use std::f64::consts::PI;
 
@@ -120,7 +120,8 @@ impl Yarns {
         }
     }
 
-    /// The nearest meeting of a ray with a yarn in one cell of the sheet; `cell_centre` is the cell's, in the ray's space.
+    /// The nearest meeting of a ray with a yarn in one cell of the sheet; `cell_centre` is the cell's, in the ray's
+    /// space.
     pub fn hit(
         &self,
         grid: &Grid,
@@ -293,7 +294,8 @@ impl Yarn {
         Some(self.hit_at(ray, t, normal, squared.sqrt() * slope))
     }
 
-    /// A hit at `t` with a normal given across the yarn, along it, and up, where the surface rises by `rise` along the yarn.
+    /// A hit at `t` with a normal given across the yarn, along it, and up, where the surface rises by `rise` along the
+    /// yarn.
     fn hit_at(&self, ray: &Ray, t: f64, [across, along, up]: [f64; 3], rise: f64) -> SkeletonHit {
         let mut normal = DVec3::new(0.0, 0.0, up);
         normal[self.across] = across;
@@ -315,8 +317,8 @@ impl Yarn {
 
 /// The place between `low` and `high` where `f` falls through zero, on the side where it is positive.
 ///
-/// False position in the Illinois variant: an end that stays twice counts half, so that both ends close in. Smooth crossings
-/// take five evaluations; what has not closed after fifty is halved to the end.
+/// False position in the Illinois variant: an end that stays twice counts half, so that both ends close in. Smooth
+/// crossings take five evaluations; what has not closed after fifty is halved to the end.
 fn crossing(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
     let (mut at_low, mut at_high) = (f(low), f(high));
     let mut last_moved_low = None;

@@ -1,16 +1,17 @@
 //! `tracked`: random free paths through the summed densities of all loops (Woodcock's delta tracking), and their
 //! expected transmittance for shadow rays (ratio tracking). Unbiased, without a step, overlaps exact (MODEL.md §9).
 //!
-//! Where loops overlap, σ = Σ density_k·ρ_k · min(1, 1.5/Σρ_k) (MODEL.md §5). Where a ray may meet one loop in a block σ is at
-//! most the densest material's, else 1.5 times that: the majorant. A free path is one optical depth −ln(1 − u) spent
-//! block by block at the majorant's rate; where it is spent, the ray collides with probability σ/majorant, otherwise it
-//! draws the next one. Before the first loop that a ray may meet in a block and behind the last nothing is spent.
+//! Where loops overlap, σ = Σ density_k·ρ_k · min(1, 1.5/Σρ_k) (MODEL.md §5). Where a ray may meet one loop in a block
+//! σ is at most the densest material's, else 1.5 times that: the majorant. A free path is one optical depth −ln(1 − u)
+//! spent block by block at the majorant's rate; where it is spent, the ray collides with probability σ/majorant,
+//! otherwise it draws the next one. Before the first loop that a ray may meet in a block and behind the last nothing is
+//! spent.
 
 use std::ops::ControlFlow;
 
 use glam::DVec3;
 
-use super::form::Stretch;
+use super::form::RaySegment;
 use super::walk::{BlockLoops, LoopPart};
 use super::{LoopPlace, Scratch, SkeletonHit, Tracer};
 use crate::geometry::{Interval, Ray};
@@ -162,11 +163,11 @@ impl Tracer {
         ray: &Ray,
         pcg: &mut Pcg,
         scratch: &mut Scratch,
-        mut collide: impl FnMut(&Stretch, &Tentative, &mut Pcg, &mut Scratch) -> ControlFlow<()>,
-    ) -> Option<(Stretch, SkeletonHit)> {
+        mut collide: impl FnMut(&RaySegment, &Tentative, &mut Pcg, &mut Scratch) -> ControlFlow<()>,
+    ) -> Option<(RaySegment, SkeletonHit)> {
         let mut depth_left = free_depth(pcg);
-        for (stretch, span) in self.spans(ray) {
-            let ray = &stretch.ray;
+        for (segment, span) in self.spans(ray) {
+            let ray = &segment.ray;
             scratch.counters.cells += 1;
             let skeleton = self.skeleton_hit(ray, &span);
             let end = skeleton.map_or(span.leave, |hit| hit.t);
@@ -211,7 +212,7 @@ impl Tracer {
                 let sigma = self.overlaps_at(ray.at(t), places, scratch);
                 if sigma > 0.0 {
                     let tentative = Tentative { t, majorant, sigma };
-                    broke = collide(&stretch, &tentative, pcg, scratch).is_break();
+                    broke = collide(&segment, &tentative, pcg, scratch).is_break();
                     if broke {
                         break;
                     }
@@ -223,7 +224,7 @@ impl Tracer {
                 return None;
             }
             if let Some(hit) = skeleton {
-                return Some((stretch, hit));
+                return Some((segment, hit));
             }
         }
         None
@@ -233,8 +234,9 @@ impl Tracer {
     pub fn collision(&self, ray: &Ray, pcg: &mut Pcg, scratch: &mut Scratch) -> Option<Vertex> {
         scratch.counters.rays += 1;
         let mut vertex = None;
-        let skeleton = self.track(ray, pcg, scratch, |stretch, tentative, pcg, scratch| {
-            // One number decides both whether it collides and with which loop: with each in proportion to its part of σ.
+        let skeleton = self.track(ray, pcg, scratch, |segment, tentative, pcg, scratch| {
+            // One number decides both whether it collides and with which loop: with each in proportion to its part of
+            // σ.
             let number = f64::from(pcg.next_float()) * tentative.majorant;
             if number >= tentative.sigma {
                 return ControlFlow::Continue(());
@@ -247,13 +249,13 @@ impl Tracer {
                      shade,
                      ..
                  }| {
-                    let vertex = self.loop_vertex(&stretch.ray, place, tentative.t, inside, shade);
-                    stretch.place(vertex)
+                    let vertex = self.loop_vertex(&segment.ray, place, tentative.t, inside, shade);
+                    segment.place(vertex)
                 },
             );
             ControlFlow::Break(())
         });
-        vertex.or_else(|| skeleton.map(|(stretch, hit)| self.ground_vertex(&stretch, hit)))
+        vertex.or_else(|| skeleton.map(|(segment, hit)| self.ground_vertex(&segment, hit)))
     }
 
     /// Share of light that comes through along a shadow ray, by ratio tracking: random, with the right mean.

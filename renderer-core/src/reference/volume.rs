@@ -119,8 +119,8 @@ impl<'a> LoopVolume<'a> {
         }
     }
 
-    /// ∂ρ/∂u, ∂ρ/∂v and ∂ρ/∂w at (u, v, w), without the fade towards the root: central differences, a voxel to each side
-    /// along u and v, a layer to each side along w; beyond the volume its border goes on.
+    /// ∂ρ/∂u, ∂ρ/∂v and ∂ρ/∂w at (u, v, w), without the fade towards the root: central differences, a voxel to each
+    /// side along u and v, a layer to each side along w; beyond the volume its border goes on.
     pub fn slopes(&self, place: [f64; 3]) -> DVec3 {
         let rho = |place| -> f64 {
             let weighted =

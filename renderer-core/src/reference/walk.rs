@@ -1,9 +1,9 @@
-//! The walk of a ray through the grid of blocks, front to back (Amanatides and Woo, Eurographics 1987), and through the cells
-//! of a block.
+//! The walk of a ray through the grid of blocks, front to back (Amanatides and Woo, Eurographics 1987), and through the
+//! cells of a block.
 //!
-//! Space: sheet, mm. The grid is the sheet's blocks and its margin, [`crate::scene::Loops`]. A block's part of the ray is
-//! half open, t in [enter, leave), and one block's `leave` is the next one's `enter` to the bit, so that a hit lies in
-//! exactly one block. Crossings are computed from the block's number each time, not added up.
+//! Space: sheet, mm. The grid is the sheet's blocks and its margin, [`crate::scene::Loops`]. A block's part of the ray
+//! is half open, t in [enter, leave), and one block's `leave` is the next one's `enter` to the bit, so that a hit lies
+//! in exactly one block. Crossings are computed from the block's number each time, not added up.
 
 use glam::{DVec2, DVec3};
 
@@ -111,7 +111,7 @@ impl Grid {
         })
     }
 
-    /// The way of a ray through its part `span` of a block, by the subcells that loops' `part` is told in.
+    /// The way of a ray through its part `span` of a block, by the subcells in which loops' `part` is noted.
     pub fn pieces(&self, ray: &Ray, span: Interval, block: [i64; 2], part: LoopPart) -> Pieces {
         let low = [0, 1].map(|axis| self.edge_mm(axis, block[axis] * self.block_cells));
         Pieces::new(ray, span, low, self.block_cells as f64 * self.pitch, part)
@@ -230,7 +230,7 @@ pub enum LoopPart {
 }
 
 impl LoopPart {
-    /// Subcells along each side of a block in which it is told.
+    /// Subcells along each side of a block in which it is noted.
     fn subcells(self) -> usize {
         match self {
             Self::Patch => 3,
@@ -246,8 +246,8 @@ pub struct Pieces {
     /// The bit of each subcell passed, and the heights that the ray passes in it.
     list: [(u32, Interval); 5],
     count: usize,
-    /// The quadrant and the height at which the ray starts: of a loop that holds the start, a part lies ahead even where its
-    /// patch lies behind.
+    /// The quadrant and the height at which the ray starts: of a loop that holds the start, a part lies ahead even
+    /// where its patch lies behind.
     start: Option<(u32, f64)>,
 }
 

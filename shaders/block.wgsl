@@ -80,8 +80,8 @@ fn open_block(ray: Ray, place: vec2<i32>, t_from: f32, t_to: f32, part: u32) -> 
     let range = bitcast<i32>(header.w);
     let low = f32(extractBits(range, 0u, 16u)) * scene.height_unit;
     let high = f32(extractBits(range, 16u, 16u)) * scene.height_unit;
-    let front_low = max(low, -scene.dip);
-    let back_high = min(high, scene.dip);
+    let front_low = max(low, -scene.penetration_depth);
+    let back_high = min(high, scene.penetration_depth);
     let z_from = ray.origin.z + t_from * ray.direction.z;
     let z_to = ray.origin.z + t_to * ray.direction.z;
     let lowest = min(z_from, z_to);
@@ -98,7 +98,7 @@ fn open_block(ray: Ray, place: vec2<i32>, t_from: f32, t_to: f32, part: u32) -> 
     var start_steps = vec2<f32>();
     if part == MEET_PATCH && t_from <= ray.t_start {
         let quadrant = vec2<u32>(place_in_block(origin + t_from * ray.direction.xy, 2.0) >= vec2<f32>(1.0));
-        start = 1u << (scene.quadrants_shift + quadrant.x + 2u * quadrant.y);
+        start = 1u << (scene.masks_shift + quadrant.x + 2u * quadrant.y);
         start_steps = vec2<f32>(steps_of(z_from, front_low, high, 0.0), steps_of(z_from, low, back_high, 0.0));
     }
     return Block(
@@ -107,7 +107,7 @@ fn open_block(ray: Ray, place: vec2<i32>, t_from: f32, t_to: f32, part: u32) -> 
         select(block_headers[index + 1u].x, header.x, missed),
         low,
         high,
-        passed << (scene.quadrants_shift + select(0u, 4u, part == MEET_PATCH)),
+        passed << (scene.masks_shift + select(0u, 4u, part == MEET_PATCH)),
         vec2<f32>(steps_of(lowest, front_low, high, 0.0), steps_of(highest, front_low, high, all_steps)),
         vec2<f32>(steps_of(lowest, low, back_high, 0.0), steps_of(highest, low, back_high, all_steps)),
         start,

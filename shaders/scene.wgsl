@@ -56,14 +56,14 @@ struct SceneConstants {
     // Unit of the blocks' height ranges.
     height_unit: f32,
     // How far loops of one face reach to the other side of the sheet's plane at most.
-    dip: f32,
+    penetration_depth: f32,
     // Unit of the loops' shapes.
     length_unit: f32,
     // A block is 1 << block_shift cells wide and deep.
     block_shift: u32,
     // Where parts of an entry begin, and how many bits each of its heights has: see scene/loops.rs.
     place_shift: u32,
-    quadrants_shift: u32,
+    masks_shift: u32,
     heights_shift: u32,
     height_bits: u32,
     // Share of the loop from its root over which its density fades in.

@@ -94,12 +94,12 @@ fn check_grid_holds_volumes(scene: &Scene, points: usize) {
             );
             let quadrant = subcell(scene, cell, place, 2);
             assert!(
-                entry.quadrants & quadrant != 0,
+                entry.mask_2x2 & quadrant != 0,
                 "{planted:?} at {point}: {entry:?}"
             );
             let ninth = subcell(scene, cell, place, 3);
             assert!(
-                !on_patch || entry.ninths & ninth != 0,
+                !on_patch || entry.mask_3x3 & ninth != 0,
                 "{planted:?} at {point}: {entry:?}"
             );
             let [low, high] = loops.z_range_mm.map(f64::from);
@@ -279,8 +279,8 @@ fn check_footprints(scene: &Scene, volume: [[f64; 2]; 2], patch: [[f64; 2]; 2]) 
             entries += 1;
             let cell = block.map(|index| index * i64::from(loops.block_cells));
             let Listed { entry, .. } = listed(scene, planted, cell).expect("is listed");
-            assert_eq!(entry.quadrants, quadrants, "{planted:?} in {block:?}");
-            assert_eq!(entry.ninths, ninths, "{planted:?} in {block:?}");
+            assert_eq!(entry.mask_2x2, quadrants, "{planted:?} in {block:?}");
+            assert_eq!(entry.mask_3x3, ninths, "{planted:?} in {block:?}");
         }
     }
     assert_eq!(loops.entries.len(), entries);
@@ -339,8 +339,8 @@ fn entries_keep_what_is_packed_into_them() {
                 let parts = EntryParts {
                     offset: [offset(), offset()],
                     place: below(2 * i64::from(block_cells).pow(2)) as u32,
-                    quadrants: below(16) as u32,
-                    ninths: below(512) as u32,
+                    mask_2x2: below(16) as u32,
+                    mask_3x3: below(512) as u32,
                     heights: [0; 2].map(|_| below(layout.height_steps().into()) as u32),
                 };
                 assert_eq!(layout.unpack(layout.pack(parts)), parts, "{layout:?}");

@@ -11,9 +11,9 @@ use crate::scene::{BlockEntry, EntryLayout};
 /// What of a loop a ray may meet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum LoopPart {
-    /// Its patch, w = 0: all that `single` asks for. Entries tell it in ninths of the block.
+    /// Its patch, w = 0: all that `single` asks for. Entries have a mask of it, 3×3 in the block.
     Patch,
-    /// Its volume, in quadrants of the block.
+    /// Its volume, with a mask of 2×2 in the block.
     Volume,
 }
 
@@ -50,12 +50,15 @@ impl Cloth {
         let [low, high] = first.z_units();
         let unit = loops.height_unit_mm;
         let (low, high) = (f32::from(low) * unit, f32::from(high) * unit);
-        let dip = loops.dip_mm;
+        let penetration_depth = loops.penetration_depth_mm;
         Block {
             cloth: self,
             square,
             entries: &loops.entries[first.entries_start as usize..next.entries_start as usize],
-            of_face: [[low.max(-dip), high], [low, high.min(dip)]],
+            of_face: [
+                [low.max(-penetration_depth), high],
+                [low, high.min(penetration_depth)],
+            ],
         }
     }
 
@@ -165,10 +168,10 @@ impl<'a> Block<'a> {
             LoopPart::Volume => 2,
         };
         let layout = self.cloth.scene.loops.entry_layout;
-        let quadrants_shift = layout.quadrants_shift();
+        let masks_shift = layout.masks_shift();
         let subcells_shift = match part {
-            LoopPart::Patch => quadrants_shift + 4,
-            LoopPart::Volume => quadrants_shift,
+            LoopPart::Patch => masks_shift + 4,
+            LoopPart::Volume => masks_shift,
         };
         let pieces = (self.cloth).pieces(ray, subcells, starts && part == LoopPart::Patch);
         let start = pieces.start.map_or(0, |(quadrant, _)| quadrant);
@@ -178,7 +181,7 @@ impl<'a> Block<'a> {
             block: *self,
             layout,
             reached: if skipped {
-                pieces.subcells << subcells_shift | start << quadrants_shift
+                pieces.subcells << subcells_shift | start << masks_shift
             } else {
                 u32::MAX
             },
@@ -288,7 +291,7 @@ impl MetLoops<'_> {
             L::has(words, subcell << shift) & L::splat(lowest).le(high) & low.le(L::splat(highest))
         };
         let (quadrant, z) = pieces.start.unwrap_or_default();
-        let mut shown = passes(quadrant, layout.quadrants_shift(), [z, z]);
+        let mut shown = passes(quadrant, layout.masks_shift(), [z, z]);
         for &(subcell, heights) in &pieces.list[..pieces.count] {
             shown = shown | passes(subcell, self.subcells_shift, heights);
         }

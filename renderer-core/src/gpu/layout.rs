@@ -144,7 +144,7 @@ constants! {
     FORM_ROW = 1024;
     /// Vectors a pixel in the accumulation.
     SUMS = 2;
-    /// The same with AOV.
+    /// How many there are with AOV.
     SUMS_WITH_AOV = 4;
     /// End of a tile that shows background alone.
     ALL_BACKGROUND = u32::MAX;
@@ -181,7 +181,7 @@ mirrors! {
         centre: [f32; 4],
         /// From there to the middle of a side, mm; unused.
         half_width: [f32; 4],
-        /// The same for a neighbouring side.
+        /// Of a neighbouring side.
         half_height: [f32; 4],
         /// Unit vector to where it shines; unused.
         facing: [f32; 4],
@@ -228,15 +228,15 @@ mirrors! {
         /// Unit of the blocks' height ranges, mm.
         height_unit: f32,
         /// How far loops of one face reach to the other's side, mm.
-        dip: f32,
+        penetration_depth: f32,
         /// Unit of the loops' shapes, mm.
         length_unit: f32,
         /// Binary logarithm of a block's cells along each side.
         block_shift: u32,
         /// Where an entry's place begins.
         place_shift: u32,
-        /// Where its quadrants begin.
-        quadrants_shift: u32,
+        /// Where its occupancy masks begin.
+        masks_shift: u32,
         /// Where its heights begin.
         heights_shift: u32,
         /// Bits of each of its heights.
@@ -357,7 +357,7 @@ mirrors! {
         samples_after: u32,
         /// Lattice of pixels that have samples, before that tile.
         lattice_before: u32,
-        /// The same from that tile on.
+        /// Lattice from that tile on.
         lattice_after: u32,
         /// `TONE_*`.
         tone_map: u32,

@@ -295,13 +295,13 @@ impl Pieces {
     /// Whether a loop may be met whose entry tells this and whose part in the block is between two heights.
     fn meet(&self, entry: &EntryParts, heights: Interval) -> bool {
         let subcells = match self.part {
-            LoopPart::Patch => entry.ninths,
-            LoopPart::Volume => entry.quadrants,
+            LoopPart::Patch => entry.mask_3x3,
+            LoopPart::Volume => entry.mask_2x2,
         };
         let mut pieces = self.list[..self.count].iter();
         let meets =
             |&(subcell, own): &(u32, Interval)| subcells & subcell != 0 && own.overlaps(heights);
-        let holds = |(quadrant, z): (u32, f64)| entry.quadrants & quadrant != 0 && heights.holds(z);
+        let holds = |(quadrant, z): (u32, f64)| entry.mask_2x2 & quadrant != 0 && heights.holds(z);
         pieces.any(meets) || self.start.is_some_and(holds)
     }
 }

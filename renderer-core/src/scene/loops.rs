@@ -83,17 +83,22 @@ impl BlockHeader {
     /// The heights in which the block's entries tell where loops of one face are, mm: the block's range but for what
     /// only the other face's loops reach. Lowest above highest where no loop reaches the block.
     pub fn heights_mm(&self, loops: &Loops, face: Face) -> [f64; 2] {
-        self.heights_of(loops.height_unit_mm, loops.dip_mm, face)
+        self.heights_of(loops.height_unit_mm, loops.penetration_depth_mm, face)
     }
 
-    /// What [`Self::heights_mm`] gives, from [`Loops::height_unit_mm`] and [`Loops::dip_mm`] before there are
-    /// [`Loops`].
-    pub(super) fn heights_of(&self, unit_mm: f32, dip_mm: f32, face: Face) -> [f64; 2] {
+    /// What [`Self::heights_mm`] gives, from [`Loops::height_unit_mm`] and [`Loops::penetration_depth_mm`] before there
+    /// are [`Loops`].
+    pub(super) fn heights_of(
+        &self,
+        unit_mm: f32,
+        penetration_depth_mm: f32,
+        face: Face,
+    ) -> [f64; 2] {
         let [low, high] = self.z_units().map(|z| f64::from(z) * f64::from(unit_mm));
-        let dip = f64::from(dip_mm);
+        let penetration_depth = f64::from(penetration_depth_mm);
         match face {
-            Face::Front => [low.max(-dip), high],
-            Face::Back => [low, high.min(dip)],
+            Face::Front => [low.max(-penetration_depth), high],
+            Face::Back => [low, high.min(penetration_depth)],
         }
     }
 
@@ -115,11 +120,11 @@ pub struct EntryParts {
     pub offset: [i32; 2],
     /// The loop's bit in [`BlockHeader::planted`] of its own block.
     pub place: u32,
-    /// Which quadrants of the block the loop's volume reaches: bit x + 2y is the one at (x, y).
-    pub quadrants: u32,
-    /// Which ninths of the block the loop's patch (w = 0) reaches: bit x + 3y is the one at (x, y). None where only the
-    /// rest of the volume reaches the block.
-    pub ninths: u32,
+    /// Occupancy mask of the block in 2×2: which quarters the loop's volume reaches: bit x + 2y is the one at (x, y).
+    pub mask_2x2: u32,
+    /// Occupancy mask of the block in 3×3: which parts the loop's patch (w = 0) reaches: bit x + 3y is the one at (x,
+    /// y). None where only the rest of the volume reaches the block.
+    pub mask_3x3: u32,
     /// Lowest and highest point of the volume's part in the block, in steps of [`BlockHeader::heights_mm`], rounded
     /// outwards: the lowest from its step's low end, the highest to its step's high end.
     pub heights: [u32; 2],
@@ -128,8 +133,8 @@ pub struct EntryParts {
 /// How many bits the parts of a scene's entries have: what near loops do not need to tell whose they are is left to
 /// tell where they are.
 ///
-/// From the lowest bit: the offset along x and y (`offset_bits` each, signed), the place (`place_bits`), the quadrants
-/// (4 bits), the ninths (9 bits), the heights (`height_bits` each).
+/// From the lowest bit: the offset along x and y (`offset_bits` each, signed), the place (`place_bits`), the 2×2 mask
+/// (4 bits), the 3×3 mask (9 bits), the heights (`height_bits` each).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct EntryLayout {
     /// 2 to 5.
@@ -143,7 +148,7 @@ pub struct EntryLayout {
 impl EntryLayout {
     /// Blocks that any layout can count from the block that lists a loop to the loop's own.
     pub const FARTHEST: i64 = 15;
-    /// Bits of quadrants and ninths.
+    /// Bits of the two occupancy masks.
     const MASK_BITS: u32 = 13;
 
     /// The layout for blocks of `block_cells` cells a side (1, 2 or 4) and loops that reach `farthest` blocks, at most
@@ -165,19 +170,19 @@ impl EntryLayout {
         1 << self.height_bits
     }
 
-    /// Where the place begins, and behind it quadrants, ninths and heights.
+    /// Where the place begins, and behind it masks and heights.
     pub fn place_shift(self) -> u32 {
         2 * self.offset_bits
     }
 
-    /// Where the quadrants begin.
-    pub fn quadrants_shift(self) -> u32 {
+    /// Where the occupancy masks begin, 2×2 before 3×3.
+    pub fn masks_shift(self) -> u32 {
         self.place_shift() + self.place_bits
     }
 
     /// Where the heights begin.
     pub fn heights_shift(self) -> u32 {
-        self.quadrants_shift() + Self::MASK_BITS
+        self.masks_shift() + Self::MASK_BITS
     }
 
     /// Packs an entry whose parts are within their bits.
@@ -196,8 +201,8 @@ impl EntryLayout {
             offset(parts.offset[0])
                 | offset(parts.offset[1]) << self.offset_bits
                 | within(parts.place, self.place_bits) << self.place_shift()
-                | within(parts.quadrants, 4) << self.quadrants_shift()
-                | within(parts.ninths, 9) << (self.quadrants_shift() + 4)
+                | within(parts.mask_2x2, 4) << self.masks_shift()
+                | within(parts.mask_3x3, 9) << (self.masks_shift() + 4)
                 | z0 << self.heights_shift()
                 | z1 << (self.heights_shift() + self.height_bits),
         )
@@ -212,8 +217,8 @@ impl EntryLayout {
         EntryParts {
             offset: [offset(0), offset(self.offset_bits)],
             place: field(self.place_shift(), self.place_bits),
-            quadrants: field(self.quadrants_shift(), 4),
-            ninths: field(self.quadrants_shift() + 4, 9),
+            mask_2x2: field(self.masks_shift(), 4),
+            mask_3x3: field(self.masks_shift() + 4, 9),
             heights: [
                 field(self.heights_shift(), self.height_bits),
                 field(self.heights_shift() + self.height_bits, self.height_bits),
@@ -251,7 +256,7 @@ pub struct Loops {
     /// Unit of [`BlockHeader::z_range`], mm.
     pub height_unit_mm: f32,
     /// How far loops of one face reach to the other side of the sheet's plane at most, mm.
-    pub dip_mm: f32,
+    pub penetration_depth_mm: f32,
     /// Lowest and highest point of any loop, mm; [0, 0] when there are none.
     pub z_range_mm: [f32; 2],
     /// What compile had to do to some loops.

@@ -1,8 +1,8 @@
-//! Which blocks each loop reaches, in which quadrants and between which heights.
+//! which blocks each loop reaches, in which of their 2×2 quarters and between which heights.
 //!
 //! Method: bands of block rows in parallel. A band looks at all loops that can reach it, row after row, notes (block,
-//! loop, quadrants, height range), and sorts the notes by block by counting. Heights are found for each quadrant, so
-//! that a part of a loop that is low in one and high in another stays out of the others.
+//! loop, occupancy masks, height range), and sorts the notes by block by counting. Heights are found for each quarter,
+//! so that a part of a loop that is low in one and high in another stays out of the others.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -73,13 +73,13 @@ pub(in super::super) fn build(
         planting: &planting,
         homes: &homes,
         layout: EntryLayout::new(b, reach.blocks),
-        dip_mm: reach.dip as f32,
+        penetration_depth_mm: reach.penetration_depth as f32,
         left,
         width: (left + sheet_blocks[0] + right) as usize,
         height_unit_mm,
         whole: Subcells::new(&planting),
-        quadrants: Subcells::new(&planting),
-        ninths: Subcells::new(&planting),
+        cells_2x2: Subcells::new(&planting),
+        cells_3x3: Subcells::new(&planting),
     };
     let bands = binning.bands(-near..sheet_blocks[1] + far, cancel)?;
 
@@ -117,7 +117,7 @@ pub(in super::super) fn build(
         base_width_mm: planted.base_width_mm,
         thickness_mm: planted.thickness_mm,
         height_unit_mm,
-        dip_mm: binning.dip_mm,
+        penetration_depth_mm: binning.penetration_depth_mm,
         counts: LoopCounts {
             planted: planted.counts.planted - dropped,
             dropped: planted.counts.dropped + dropped,
@@ -165,8 +165,8 @@ struct Note {
     /// The loop's own block minus this one, along x and y.
     offset: [i8; 2],
     place: u8,
-    quadrants: u8,
-    ninths: u16,
+    mask_2x2: u8,
+    mask_3x3: u16,
     /// Lowest and highest point, mm, with slack.
     z: [f32; 2],
 }
@@ -181,16 +181,16 @@ struct Home {
 /// A loop's part in a block, before it is rounded.
 #[derive(Clone, Copy)]
 struct Reached {
-    quadrants: u16,
-    ninths: u16,
+    mask_2x2: u16,
+    mask_3x3: u16,
     /// Lowest and highest point, mm; that f32 rounds them is a small part of the slack.
     z: [f32; 2],
 }
 
 impl Reached {
     const NOTHING: Self = Self {
-        quadrants: 0,
-        ninths: 0,
+        mask_2x2: 0,
+        mask_3x3: 0,
         z: [f32::INFINITY, f32::NEG_INFINITY],
     };
 }
@@ -210,7 +210,7 @@ trait Visitor {
     fn visit(&mut self, block: usize, bit: u16, at: [f32; 2]);
 }
 
-/// Notes quadrants that a part of a loop reaches, and its heights there.
+/// Notes the quarters of blocks that a part of a loop reaches, and its heights there.
 struct OfPart<'a> {
     /// Of the part's centre.
     height: f32,
@@ -223,7 +223,7 @@ impl Visitor for OfPart<'_> {
     fn visit(&mut self, block: usize, bit: u16, at: [f32; 2]) {
         if let Some([z0, z1]) = self.over.z_range(at) {
             let reached = &mut self.reached[block];
-            reached.quadrants |= bit;
+            reached.mask_2x2 |= bit;
             let [low, high] = reached.z;
             reached.z = [
                 smaller(self.height + z0, low),
@@ -233,7 +233,7 @@ impl Visitor for OfPart<'_> {
     }
 }
 
-/// Notes ninths that a loop's patch may reach.
+/// Notes the ninths of blocks, 3×3, that a loop's patch may reach.
 struct OfFootprint<'a> {
     footprint: Footprint,
     reached: &'a mut [Reached],
@@ -243,7 +243,7 @@ impl Visitor for OfFootprint<'_> {
     #[inline(always)]
     fn visit(&mut self, block: usize, bit: u16, at: [f32; 2]) {
         if self.footprint.reaches(at) {
-            self.reached[block].ninths |= bit;
+            self.reached[block].mask_3x3 |= bit;
         }
     }
 }
@@ -344,15 +344,15 @@ pub(super) struct Binning<'a> {
     homes: &'a [Homes<'a>],
     layout: EntryLayout,
     /// How far loops of one face reach to the other's side, mm.
-    dip_mm: f32,
+    penetration_depth_mm: f32,
     /// Blocks of the grid before the sheet's first, along x.
     left: i64,
     /// Blocks in a row of the grid.
     width: usize,
     height_unit_mm: f32,
     whole: Subcells<1>,
-    quadrants: Subcells<2>,
-    ninths: Subcells<3>,
+    cells_2x2: Subcells<2>,
+    cells_3x3: Subcells<3>,
 }
 
 impl Binning<'_> {
@@ -447,21 +447,21 @@ impl Binning<'_> {
         reached.clear();
         reached.resize(width * (y1 - y0 + 1) as usize, Reached::NOTHING);
         let blocks = [[x0, x1], [y0, y1]];
-        let quadrants = self.quadrants.seen_from(place, b);
+        let cells_2x2 = self.cells_2x2.seen_from(place, b);
         for part in solid.parts() {
-            let over = PartOverCells::new(&part, self.quadrants.half_size());
+            let over = PartOverCells::new(&part, self.cells_2x2.half_size());
             let mut visitor = OfPart {
                 height: part.centre.z as f32,
                 over,
                 reached,
             };
-            quadrants.visit(part.centre, part.half_size(), blocks, &mut visitor);
+            cells_2x2.visit(part.centre, part.half_size(), blocks, &mut visitor);
         }
-        let footprint = solid.footprint(self.ninths.half_size());
+        let footprint = solid.footprint(self.cells_3x3.half_size());
         let (centre, half) = (footprint.centre, footprint.half_size);
-        let ninths = self.ninths.seen_from(place, b);
+        let cells_3x3 = self.cells_3x3.seen_from(place, b);
         let mut visitor = OfFootprint { footprint, reached };
-        ninths.visit(centre, half, blocks, &mut visitor);
+        cells_3x3.visit(centre, half, blocks, &mut visitor);
         for (index, reached) in reached.iter().enumerate() {
             let [z0, z1] = reached.z.map(f64::from);
             let z = [
@@ -474,8 +474,8 @@ impl Binning<'_> {
                     block: self.block_in_band(rows, [own.home[0] + x, own.home[1] + y]) as u32,
                     offset: [-x as i8, -y as i8],
                     place: own.place as u8,
-                    quadrants: reached.quadrants as u8,
-                    ninths: reached.ninths,
+                    mask_2x2: reached.mask_2x2 as u8,
+                    mask_3x3: reached.mask_3x3,
                     z: z.map(|z| z as f32),
                 });
             }
@@ -511,7 +511,8 @@ impl Binning<'_> {
         for note in notes {
             let block = note.block as usize;
             let face = Face::of_place(note.place.into());
-            let [low, high] = headers[block].heights_of(self.height_unit_mm, self.dip_mm, face);
+            let [low, high] =
+                headers[block].heights_of(self.height_unit_mm, self.penetration_depth_mm, face);
             let steps = self.layout.height_steps();
             let steps_in_mm = f64::from(steps) / (high - low).max(unit);
             let [z0, z1] = note.z.map(|z| (f64::from(z) - low) * steps_in_mm);
@@ -520,8 +521,8 @@ impl Binning<'_> {
             entries[*next as usize] = self.layout.pack(EntryParts {
                 offset: note.offset.map(i32::from),
                 place: note.place.into(),
-                quadrants: note.quadrants.into(),
-                ninths: note.ninths.into(),
+                mask_2x2: note.mask_2x2.into(),
+                mask_3x3: note.mask_3x3.into(),
                 heights: [floor(z0), -floor(-z1) - 1].map(|z| z.clamp(0, last) as u32),
             });
             *next += 1;

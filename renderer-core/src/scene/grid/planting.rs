@@ -68,7 +68,7 @@ pub(super) struct Reach {
     /// Lowest and highest point, mm.
     pub(super) z: [f64; 2],
     /// How far a loop reaches to the other side of the sheet's plane, mm.
-    pub(super) dip: f64,
+    pub(super) penetration_depth: f64,
     /// Blocks from a loop's own to the farthest that it reaches.
     pub(super) blocks: i64,
 }
@@ -171,7 +171,7 @@ impl<'a> Planting<'a> {
         // Blocks from the loop's own.
         let [columns, rows] =
             [0, 1].map(|axis| blocks_from_own([low[axis], high[axis]], pitch[axis], cell[axis], b));
-        let dip = match patch.face() {
+        let penetration_depth = match patch.face() {
             Face::Front => -low.z,
             Face::Back => high.z,
         };
@@ -179,7 +179,7 @@ impl<'a> Planting<'a> {
             columns: columns.map(|block| own[0] + block),
             rows: rows.map(|block| own[1] + block),
             z: [low.z, high.z],
-            dip: dip.max(0.0),
+            penetration_depth: penetration_depth.max(0.0),
             blocks: (-columns[0]).max(columns[1]).max(-rows[0]).max(rows[1]),
         }
     }
@@ -236,7 +236,7 @@ impl Reach {
         columns: [0, 0],
         rows: [0, 0],
         z: [0.0, 0.0],
-        dip: 0.0,
+        penetration_depth: 0.0,
         blocks: 0,
     };
 
@@ -245,7 +245,7 @@ impl Reach {
             columns: hull(self.columns, other.columns, Ord::min, Ord::max),
             rows: hull(self.rows, other.rows, Ord::min, Ord::max),
             z: hull(self.z, other.z, f64::min, f64::max),
-            dip: self.dip.max(other.dip),
+            penetration_depth: self.penetration_depth.max(other.penetration_depth),
             blocks: self.blocks.max(other.blocks),
         }
     }

@@ -12,7 +12,7 @@ fn finalise_main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
         let rays = atomicLoad(&totals[sums]);
         if rays >= ENOUGH_RAYS && (atomicLoad(&totals[SHADOWS_FROM + entry]) & SHADOW_FINAL) == 0u {
             let direct = mean_of(atomicLoad(&totals[sums + 1u]), rays);
-            // What comes by bounces is never nothing, so that known means are not 0.
+            // What comes by multiple scattering is never nothing, so that known means are not 0.
             let diffuse = max(mean_of(atomicLoad(&totals[sums + 2u]), rays), 1u);
             let mark = select(0u, SHADOW_FINAL, rays >= ALL_RAYS);
             atomicStore(&totals[SHADOWS_FROM + entry], direct | diffuse << 15u | mark);

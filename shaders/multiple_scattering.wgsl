@@ -1,5 +1,5 @@
-// The light of further bounces, estimated from one shadow ray instead of traced; definition, meaning of the numbers and
-// their source: renderer-core/src/optics/bounced.rs.
+// The light of further scatterings, estimated from one shadow ray instead of traced; definition, meaning of the numbers
+// and their source: renderer-core/src/optics/multiple_scattering.rs.
 
 // g, r and β of each mode.
 const SCATTERING_MODE_FIRST: vec3<f32> = vec3<f32>(0.0606, 0.5, 0.6);
@@ -15,7 +15,7 @@ fn scattering_mode(mode: vec3<f32>, visible: f32, albedo: vec3<f32>, orders: f32
     return series * (mode.x * (pow(visible, mode.z) + SCATTERING_LEVEL));
 }
 
-// Mean radiance by bounces around a point, per mean radiance that an unhindered light brings.
+// Mean radiance by multiple scattering around a point, per mean radiance that an unhindered light brings.
 fn multiple_scattering(at: Scatter, towards_light: vec3<f32>, visibility: f32) -> vec3<f32> {
     let up = max(select(-1.0, 1.0, at.point.z >= 0.0) * towards_light.z, 0.0);
     let visible = max(visibility, SCATTERING_FLOOR);

@@ -1,5 +1,6 @@
-// Shadows that a picture's first samples share: definition, bias and layout in renderer-core/src/render/shadow_cache.rs.
-// Behind the counters in `totals`: for each entry the means that are known, then for each three sums.
+// Shadows that a picture's first samples share: definition, bias and layout in
+// renderer-core/src/render/shadow_cache.rs. Behind the counters in `totals`: for each entry the means that are known,
+// then for each three sums.
 
 // The entry of the first light around a point, moved by up to half a texel.
 fn shadow_entry(at: Scatter, random: ptr<function, Pcg>) -> u32 {
@@ -18,8 +19,8 @@ fn shadow_entry(at: Scatter, random: ptr<function, Pcg>) -> u32 {
     return u32((layer * texels.y + texel.y) * texels.x + texel.x) * slice.shadow_texels.w;
 }
 
-// What is known of an entry: mean visibility, and the visibility that brings as much bounced light; negative if nothing, or
-// if a ray is to make it better.
+// What is known of an entry: mean visibility, and the visibility that brings as much light by multiple scattering;
+// negative if nothing, or if a ray is to make it better.
 fn known_shadow(entry: u32, random: ptr<function, Pcg>) -> vec2<f32> {
     let mean = atomicLoad(&totals[SHADOWS_FROM + entry]);
     if mean == 0u {

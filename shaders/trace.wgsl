@@ -107,7 +107,7 @@ fn lit(
         let lamp_set = select(SET_FIRST_AREA + i - SUN_COUNT, i, i < SUN_COUNT);
         let u = sample_set(seed, sample, set_at(bounce, select(SET_ENVIRONMENT, lamp_set, is_source))).xyz;
         var towards_light: vec3<f32>;
-        // By the light itself, and by bounced light that comes evenly from all sides.
+        // By the light itself, and by multiple scattering, from all sides.
         var share: vec3<f32>;
         var diffuse_share: vec3<f32>;
         // Directions by a sky's light see other shadows than those by the phase.
@@ -124,7 +124,7 @@ fn lit(
             diffuse_share = share;
         }
         if is_cut_off || max(max(share.x, share.y), share.z) > 0.0 {
-            // As direct light needs it, and as bounced light does.
+            // As direct light needs it, and as multiple scattering does.
             var visible = vec2<f32>(-1.0);
             if cached {
                 visible = known_shadow(known, random);

@@ -62,7 +62,7 @@ impl Tracer {
     /// Lets later samples know the shadows of the first `samples`.
     pub(super) fn learn_shadows(&self, samples: u32) {
         if let Some(cache) = self.shadow_cache(samples) {
-            cache.settle();
+            cache.finalise();
         }
     }
 

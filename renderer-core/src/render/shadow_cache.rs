@@ -1,16 +1,16 @@
-//! Shadows kept for the live view: how much of each light reaches the surroundings of a point, learned from the shadow rays
-//! of a picture's first samples (not in the paper; a lazily filled relative of deep shadow maps).
+//! Shadows kept for the live view: how much of each light reaches the surroundings of a point, learned from the shadow
+//! rays of a picture's first samples (not in the paper; a lazily filled relative of deep shadow maps).
 //!
-//! The cloth's box is a grid of texels, about [`TEXEL_PX`] pixels wide in the middle of the picture, and none across the
-//! sheet's plane. The rays of [`Settings::cached_shadows`](super::Settings::cached_shadows) first samples ask it: where a
-//! texel has seen enough rays towards a light, its mean replaces the ray; else the ray is traced, and counts there. What has
-//! been learned is used from the next sample on, so that a picture does not depend on the order in which its pixels are
-//! drawn. Points are moved by up to half a texel before they ask, which blurs the texels' edges away in the mean of a few
-//! samples.
+//! The cloth's box is a grid of texels, about [`TEXEL_PX`] pixels wide in the middle of the picture, and none across
+//! the sheet's plane. The rays of [`Settings::cached_shadows`](super::Settings::cached_shadows) first samples ask it:
+//! where a texel has seen enough rays towards a light, its mean replaces the ray; else the ray is traced, and counts
+//! there. What has been learned is used from the next sample on, so that a picture does not depend on the order in
+//! which its pixels are drawn. Points are moved by up to half a texel before they ask, which blurs the texels' edges
+//! away in the mean of a few samples.
 //!
 //! Biased: shadows are blurred over a texel. The bias of a picture falls as later samples, whose rays are all traced,
-//! outweigh the first. The cache outlives a picture as long as the cloth, its lights and, within a factor of two, the scale
-//! of the view are the same: a moving camera finds what others have learned.
+//! outweigh the first. The cache outlives a picture as long as the cloth, its lights and, within a factor of two, the
+//! scale of the view are the same: a moving camera finds what others have learned.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -21,7 +21,7 @@ use rayon::prelude::*;
 
 use super::RenderRequest;
 use crate::design::Method;
-use crate::optics::Seen;
+use crate::optics::Visibility;
 use crate::scene::Scene;
 
 /// Texels times lights at most: 64 MB.
@@ -37,13 +37,13 @@ const FINEST_PER_CELL: u32 = 8;
 /// Rays that a texel has seen before its mean is used: their spread is at most ½, that of the mean ⅛, and a pixel asks
 /// several texels.
 pub const ENOUGH_RAYS: u32 = 16;
-/// Until a texel has seen so many, a share of the rays is traced all the same and makes the mean better: else its error would
-/// stay, and show as a stain.
+/// Until a texel has seen so many, a share of the rays is traced all the same and makes the mean better: else its error
+/// would stay, and show as a stain.
 pub const ALL_RAYS: u32 = 128;
 /// That share.
 pub const TRACED_SHARE: f32 = 0.25;
 /// Entries that a thread goes through at a time.
-const SETTLED_AT_A_TIME: usize = 1 << 16;
+const FINALISED_AT_A_TIME: usize = 1 << 16;
 /// Steps of a sum from 0 to 1; 4 million rays fit a sum.
 pub const SUM_STEPS: f64 = 1024.0;
 /// Steps of a mean from 0 to 1.
@@ -64,8 +64,8 @@ pub struct ShadowGrid {
     pub layers_below: u32,
     /// Height of a layer, mm.
     pub layer_mm: f64,
-    /// Lights: suns and area lights, then the environment; of a sky that is drawn, directions that follow the phase and those
-    /// that follow its light see other shadows, and are two.
+    /// Lights: suns and area lights, then the environment; of a sky that is drawn, directions that follow the phase and
+    /// those that follow its light see other shadows, and are two.
     pub lights: u32,
     /// Cells of the sheet, and their size, mm.
     cells: [u32; 2],
@@ -150,8 +150,8 @@ impl ShadowGrid {
     }
 }
 
-/// What of a request a cache depends on: the cloth, its lights, how rays see, and the seed, since pictures of several seeds are
-/// to be independent.
+/// What of a request a cache depends on: the cloth, its lights, how rays see, and the seed, since pictures of several
+/// seeds are to be independent.
 #[derive(Debug, Clone)]
 pub struct ShadowKey {
     scene: Arc<Scene>,
@@ -188,14 +188,15 @@ impl ShadowKey {
 struct Sums {
     rays: AtomicU32,
     direct: AtomicU32,
-    even: AtomicU32,
+    diffuse: AtomicU32,
 }
 
 /// The cache of a renderer on the host. Threads of a sample read the means of earlier ones and add to the sums.
 #[derive(Debug)]
 pub struct ShadowCache {
     key: ShadowKey,
-    /// Mean of [`Seen::direct`] in the 15 lowest bits, of [`Seen::even`] in the next 15, [`FINAL`]; 0: not yet known.
+    /// Mean of [`Visibility::direct`] in the 15 lowest bits, of [`Visibility::diffuse`] in the next 15, [`FINAL`]; 0:
+    /// not yet known.
     means: Vec<AtomicU32>,
     sums: Vec<Sums>,
 }
@@ -219,32 +220,34 @@ impl ShadowCache {
 
     /// The mean of an entry, once it is known; not if the ray is to make it better, which `random` decides.
     #[inline(always)]
-    pub fn seen(&self, entry: usize, random: impl FnOnce() -> f32) -> Option<Seen> {
+    pub fn visibility(&self, entry: usize, random: impl FnOnce() -> f32) -> Option<Visibility> {
         let mean = self.means[entry].load(Ordering::Relaxed);
         if mean == 0 || mean & FINAL == 0 && random() < TRACED_SHARE {
             return None;
         }
-        Some(Seen {
+        Some(Visibility {
             direct: f64::from(mean & 0x7fff) / MEAN_STEPS,
-            even: f64::from(mean >> 15 & 0x7fff) / MEAN_STEPS,
+            diffuse: f64::from(mean >> 15 & 0x7fff) / MEAN_STEPS,
         })
     }
 
     /// Adds what one ray saw.
     #[inline(always)]
-    pub fn add(&self, entry: usize, seen: Seen) {
+    pub fn add(&self, entry: usize, found: Visibility) {
         let sums = &self.sums[entry];
         let steps = |share: f64| (share * SUM_STEPS + 0.5) as u32;
         sums.rays.fetch_add(1, Ordering::Relaxed);
-        sums.direct.fetch_add(steps(seen.direct), Ordering::Relaxed);
-        sums.even.fetch_add(steps(seen.even), Ordering::Relaxed);
+        sums.direct
+            .fetch_add(steps(found.direct), Ordering::Relaxed);
+        sums.diffuse
+            .fetch_add(steps(found.diffuse), Ordering::Relaxed);
     }
 
     /// Makes what has been learned known: between two samples of a picture.
-    pub fn settle(&self) {
+    pub fn finalise(&self) {
         let entries = self.means.par_iter().zip(&self.sums);
         entries
-            .with_min_len(SETTLED_AT_A_TIME)
+            .with_min_len(FINALISED_AT_A_TIME)
             .for_each(|(mean, sums)| {
                 let rays = sums.rays.load(Ordering::Relaxed);
                 if rays >= ENOUGH_RAYS && mean.load(Ordering::Relaxed) & FINAL == 0 {
@@ -253,7 +256,7 @@ impl ShadowCache {
                         (f64::from(sum.load(Ordering::Relaxed)) * scale + 0.5) as u32
                     };
                     // What comes by bounces is never nothing, so that known means are not 0.
-                    let both = of(&sums.direct) | of(&sums.even).max(1) << 15;
+                    let both = of(&sums.direct) | of(&sums.diffuse).max(1) << 15;
                     let mark = if rays >= ALL_RAYS { FINAL } else { 0 };
                     mean.store(both | mark, Ordering::Relaxed);
                 }

@@ -12,7 +12,7 @@ use glam::{DVec2, DVec3};
 use super::medium::{Medium, PathInputs, Start};
 use crate::design::Method;
 use crate::geometry::Ray;
-use crate::optics::{Light, Seen, Vertex, bounced, environment_radiance};
+use crate::optics::{Light, Vertex, Visibility, environment_radiance, multiple_scattering};
 use crate::render::accumulation::{FirstHit, Sample};
 use crate::sampling::{self, Pcg, Set};
 
@@ -194,16 +194,17 @@ impl<'a, M: Medium> PathTracer<'a, M> {
                 continue;
             }
             let up = (sample.direction.z * vertex.position.z.signum()).max(0.0);
-            let multiple_scattering =
-                |visibility| sample.unhindered * bounced(visibility, up, vertex.albedo, orders);
+            let by_scatterings = |visibility| {
+                sample.unhindered * multiple_scattering(visibility, up, vertex.albedo, orders)
+            };
             let cached = cache.map(|(cache, entry)| (cache, entry + sample.cache_entry));
             if let Some((cache, entry)) = cached
-                && let Some(seen) = cache.seen(entry, || self.pcg.next_float())
+                && let Some(known) = cache.visibility(entry, || self.pcg.next_float())
             {
                 self.scratch.as_mut().cached_rays += 1;
-                sum += sample.scattered * seen.direct;
+                sum += sample.scattered * known.direct;
                 if orders > 0 {
-                    sum += multiple_scattering(seen.for_bounces());
+                    sum += by_scatterings(known.for_multiple_scattering());
                 }
                 continue;
             }
@@ -216,11 +217,11 @@ impl<'a, M: Medium> PathTracer<'a, M> {
                 medium.tracked_visibility(&ray, &mut self.pcg, self.scratch)
             };
             if let Some((cache, entry)) = cached {
-                cache.add(entry, Seen::by(visibility));
+                cache.add(entry, Visibility::by(visibility));
             }
             sum += sample.scattered * visibility;
             if orders > 0 {
-                sum += multiple_scattering(visibility);
+                sum += by_scatterings(visibility);
             }
         }
         sum

@@ -1,5 +1,5 @@
 //! Eight numbers at once. What is written for [`Lanes`] runs in the widest instructions of the processor
-//! ([`super::wide`]) and, with the same results to the bit, in plain ones on all others.
+//! (`wide`) and, with the same results to the bit, in plain ones on all others.
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Sub};
 

@@ -52,7 +52,7 @@ impl PipelineCache {
     }
 }
 
-/// What a device needs, as far as its adapter has it, for [`keep_pipelines`](super::GpuContext::keep_pipelines).
+/// What a device needs, as far as its adapter has it, to keep its pipelines.
 pub fn wanted_features(adapter: &wgpu::Adapter) -> wgpu::Features {
     adapter.features() & wgpu::Features::PIPELINE_CACHE
 }

@@ -115,7 +115,11 @@ impl Tracer {
             camera: *request.camera(),
             size: request.size,
             settings: request.settings,
-            grid: Grid::new(&scene.sheet, &scene.loops, yarns.as_ref()),
+            grid: Grid::new(
+                &scene.sheet,
+                &scene.loops,
+                yarns.as_ref().map(Yarns::height),
+            ),
             frames,
             optics,
             densest_per_mm: densest,

@@ -7,7 +7,6 @@
 
 use glam::{DVec2, DVec3};
 
-use super::Yarns;
 use crate::geometry::{BilinearPatch, Interval, Ray, clip_to_box};
 use crate::scene::{BlockEntry, EntryParts, Face, LoopPatch, Loops, SheetGeometry};
 
@@ -60,12 +59,13 @@ pub struct LoopPlace {
 }
 
 impl Grid {
-    /// The grid over a sheet, high enough for its loops and yarns.
-    pub fn new(sheet: &SheetGeometry, loops: &Loops, yarns: Option<&Yarns>) -> Self {
+    /// The grid over a sheet, high enough for its loops and for yarns that reach `yarn_height` mm to both sides of it, if
+    /// there are any.
+    pub fn new(sheet: &SheetGeometry, loops: &Loops, yarn_height: Option<f64>) -> Self {
         let [mut z_low, mut z_high] = loops.z_range_mm.map(f64::from);
-        if let Some(yarns) = yarns {
-            z_low = z_low.min(-yarns.height());
-            z_high = z_high.max(yarns.height());
+        if let Some(height) = yarn_height {
+            z_low = z_low.min(-height);
+            z_high = z_high.max(height);
         }
         let first = loops.margin.map(|blocks| -i64::from(blocks));
         let mut grid = Self {

@@ -26,7 +26,7 @@ fn weave(height: SkeletonHeight, radii: [f64; 2], crimp: f64) -> Scene {
 /// The nearest hit, as a renderer finds it: cell by cell.
 fn hit(scene: &Scene, ray: &Ray) -> Option<SkeletonHit> {
     let yarns = Yarns::new(&scene.sheet, &scene.skeleton);
-    let grid = Grid::new(&scene.sheet, &scene.loops, Some(&yarns));
+    let grid = Grid::new(&scene.sheet, &scene.loops, Some(yarns.height()));
     let cells = grid
         .walk(ray)
         .flat_map(|block| grid.walk_cells(ray, &block).collect::<Vec<_>>());

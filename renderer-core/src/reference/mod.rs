@@ -1,6 +1,7 @@
 //! The plain renderer: scalar f64, written from the model's equations (MODEL.md §5 to §9); what the others are held to.
 //!
-//! The paper's §6 has six steps. Steps 1 and 2, skeleton and loop frames, are [`crate::scene`]'s. For each ray:
+//! §6 of the paper (Yi Wang, "A Layered Method for Realistic Rendering of Towels and Carpets") has six steps. Steps 1
+//! and 2, skeleton and loop frames, are [`crate::scene`]'s. For each ray:
 //!
 //! - step 3, reflection of the yarn loops the ray crosses: `single` and `layered` find the crossings of a loop, `exact`
 //!   and `six_face` its parts inside the loop; [`crate::optics`] says how the chosen point scatters;

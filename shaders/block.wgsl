@@ -1,8 +1,8 @@
-// What a block of the grid lists, and which of it a ray may meet: the f32 twin of reference/walk.rs and scene/loops.rs, where
-// the records are described.
+// What a block of the grid lists, and which of it a ray may meet: the f32 twin of reference/walk.rs and scene/loops.rs,
+// where the records are described.
 //
-// Of the ray's part in a block two things are kept: which of the block's subcells it passes, as bits in the place in which
-// entries have theirs, and between which heights it is, in the steps of entries of either face.
+// Of the ray's part in a block two things are kept: which of the block's subcells it passes, as bits in the place in
+// which entries have theirs, and between which heights it is, in the steps of entries of either face.
 
 struct Block {
     place: vec2<i32>,
@@ -16,8 +16,9 @@ struct Block {
     // The ray's lowest and highest point, in steps of the front's entries and of the back's.
     front: vec2<f32>,
     back: vec2<f32>,
-    // Of a ray that starts in the block, for patches alone: the bit of its first quadrant, and its start's height in steps of
-    // the front's entries and of the back's. A loop that holds the start is met even where its patch lies behind.
+    // Of a ray that starts in the block, for patches alone: the bit of its first quadrant, and its start's height in
+    // steps of the front's entries and of the back's. A loop that holds the start is met even where its patch lies
+    // behind.
     start: u32,
     start_steps: vec2<f32>,
 }
@@ -44,8 +45,8 @@ fn place_in_block(from_cell: vec2<f32>, n: f32) -> vec2<f32> {
     return (from_cell + 0.5 * scene.pitch) * n / (scene.pitch * f32(1u << scene.block_shift));
 }
 
-// Bits of the subcells, n along each side, of a block that a line passes between two distances; `origin` and `direction` in
-// subcells. Row by row: which columns it passes between the row's two edges.
+// Bits of the subcells, n along each side, of a block that a line passes between two distances; `origin` and
+// `direction` in subcells. Row by row: which columns it passes between the row's two edges.
 fn subcells_passed(origin: vec2<f32>, direction: vec2<f32>, t_from: f32, t_to: f32, n: u32) -> u32 {
     let slope = select(direction.y, PARALLEL, abs(direction.y) < PARALLEL);
     let inverse = 1.0 / slope;
@@ -127,8 +128,8 @@ fn meets(block: Block, bits: u32) -> bool {
     return passed || ((bits & block.start) != 0u && lowest <= start && highest >= start);
 }
 
-// The first entry from `start` on that the ray's part in the block may meet; the end of the list if none. A loop of its own,
-// so that neighbouring threads that skip different entries come together at the costly test.
+// The first entry from `start` on that the ray's part in the block may meet; the end of the list if none. A loop of its
+// own, so that neighbouring threads that skip different entries come together at the costly test.
 fn next_met(block: Block, start: u32) -> u32 {
     var index = start;
     for (; index < block.entries_end; index++) {

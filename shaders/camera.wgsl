@@ -6,8 +6,8 @@ struct RayTile {
     // Origin of the ray through the tile's reference point, mm; w: how many times the direction lies between the eye
     // and the origin.
     origin: vec4<f32>,
-    // Changes for a pixel right and down, in whole multiples of a power of two, so that a tile's worth of them is exact in
-    // f32; w: how much closer together origins get.
+    // Changes for a pixel right and down, in whole multiples of a power of two, so that a tile's worth of them is exact
+    // in f32; w: how much closer together origins get.
     origin_dx: vec4<f32>,
     origin_dy: vec4<f32>,
     // What is left of the changes; w unused.

@@ -45,7 +45,7 @@ fn first_event(roots: Roots, index: u32, layer: u32) -> Event {
 }
 
 fn second_event(roots: Roots, index: u32, layer: u32) -> Event {
-    // A hair below zero where both roots coincide: the sign tells which side is whose.
+    // A hair below zero where both roots coincide: the sign says which side is whose.
     let gap = min(-0.5 * (roots.second.z - roots.first.z), -1.0e-20);
     return Event(roots.second.z, roots.second.x, roots.second.y, gap, index, layer);
 }
@@ -90,11 +90,11 @@ fn pile_scatter(ray: Ray, hit: Gathered, index: u32) -> Scatter {
     return at;
 }
 
-// The first event at which the optical depth exceeds `depth_left`, which is lowered by what the ray meets: an event is chosen
-// with probability T·α, so its weight is 1 and the walk ends there.
+// The first event at which the optical depth exceeds `depth_left`, which is lowered by what the ray meets: an event is
+// chosen with probability T·α, so its weight is 1 and the walk ends there.
 fn composite_first(ray: Ray, depth_left: ptr<function, f32>) -> Scatter {
-    // Step 5: the skeleton is opaque; loops of the far side are met in blocks behind its gaps. It is looked for once the ray
-    // is about to reach it: most are taken by pile above it.
+    // Step 5: the skeleton is opaque; loops of the far side are met in blocks behind its gaps. It is looked for once
+    // the ray is about to reach it: most are taken by pile above it.
     let ground_from = ground_search_start(ray);
     var ground = no_yarn();
     var ground_known = ground_from >= FAR;
@@ -157,9 +157,6 @@ fn walk_cut(walk: ptr<function, Walk>, t_to: f32) {
     (*walk).t_end = min((*walk).t_end, t_to);
     (*walk).t_exit = max((*walk).t_enter, min((*walk).t_exit, (*walk).t_end));
 }
-
-// Below this a shadow ray counts as blocked.
-const BLOCKED: f32 = 1.0e-4;
 
 // A search for crossings along a ray, in whatever order they come within a block.
 struct Search {
@@ -228,7 +225,7 @@ fn composite_visibility(ray: Ray) -> f32 {
     if ground_along(ray, FAR).t < FAR {
         return 0.0;
     }
-    let blocked = -log(BLOCKED);
+    let blocked = -log(DARK);
     var depth = 0.0;
     var search: Search;
     search.walk = walk_begin(ray, scene.z_range, FAR);

@@ -1,5 +1,6 @@
 // ENTRY error_main: for every tile the sums behind the error estimate (MODEL.md §10): the spread of the
-// scrambles' means, and the mean; formula and reason: renderer-core/src/render/accumulation.rs. One workgroup a tile; the host adds up the few numbers that are left.
+// scrambles' means, and the mean; formula and reason: renderer-core/src/render/accumulation.rs. One workgroup a tile;
+// the host adds up the few numbers that are left.
 
 // (sum of the variance of the mean, sum of the mean) of the three channels over the pixels of a tile.
 @group(1) @binding(6) var<storage, read_write> tile_errors: array<vec2<f32>>;

@@ -33,8 +33,8 @@ fn event_at_infinity(t: f32) -> Event {
     return Event(t, 0.0, 0.0, FAR, 0u, 0u);
 }
 
-// The order of events. Rounding makes some distances equal; then loop and layer decide, so that an event is neither lost
-// nor found twice where a scan ends between two of the same distance.
+// The order of events. Rounding makes some distances equal; then loop and layer decide, so that an event is neither
+// lost nor found twice where a scan ends between two of the same distance.
 fn comes_before(a: Event, b: Event) -> bool {
     if a.t != b.t {
         return a.t < b.t;
@@ -78,8 +78,8 @@ fn drop_first(nearest: ptr<function, Nearest>) {
 
 // What an event takes away and where.
 struct Gathered {
-    // Optical depth; e^−depth of the light passes. Depths are summed, and no transmittance is made of opacities before the
-    // end: 1 − opacity has few digits left where little light passes.
+    // Optical depth; e^−depth of the light passes. Depths are summed, and no transmittance is made of opacities before
+    // the end: 1 − opacity has few digits left where little light passes.
     depth: f32,
     // Opacity-weighted mean distance.
     t: f32,

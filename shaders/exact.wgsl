@@ -1,8 +1,9 @@
 // Method `exact` (MODEL.md §4, §8, §9): a ray's whole way through all loops, their densities summed where they overlap.
 //
-// A ray's part in a block is cut where it enters or leaves a loop, at each of its texels' centre lines and layer lines, and
-// into pieces of at most `slice.step`; a piece is uniform, as it is in its middle. Nothing is kept in arrays: the next cut
-// is searched among the loops that the ray meets in the block, and the ones that it is inside of are bits of a mask.
+// A ray's part in a block is cut where it enters or leaves a loop, at each of its texels' centre lines and layer lines,
+// and into pieces of at most `slice.step`; a piece is uniform, as it is in its middle. Nothing is kept in arrays: the
+// next cut is searched among the loops that the ray meets in the block, and the ones that it is inside of are bits of a
+// mask.
 
 // Crossings farther from a loop's middle than this, mm, are no crossings of the loop.
 const BEYOND: f32 = 1.0e6;
@@ -135,7 +136,7 @@ fn extinction_at(ray: Ray, block: Block, inside: vec4<u32>, t: f32) -> vec2<f32>
         sum += held.extinction;
         rho += held.rho;
     }
-    return vec2<f32>(sum * min(1.0, CROWDED / max(rho, 1.0e-6)), sum);
+    return vec2<f32>(sum * min(1.0, MOST_OVERLAP / max(rho, 1.0e-6)), sum);
 }
 
 // The end of a march: the piece in which the transmittance e^−depth fell below a threshold.
@@ -159,6 +160,80 @@ struct Marched {
 // Pieces of one ray: far more than there are between any two sides of a carpet.
 const MAX_CUTS: u32 = 1048576u;
 
+// The next cut of the loops around a ray beyond a distance, and the loops that it is inside of until there.
+struct Cut {
+    t: f32,
+    inside: vec4<u32>,
+}
+
+fn next_cut(ray: Ray, block: Block, around: vec4<u32>, t: f32, t_exit: f32) -> Cut {
+    let count = block.entries_end - block.entries_start;
+    var cut = Cut(t_exit, vec4<u32>());
+    for (var i = next_bit(around, 0u, count); i < count; i = next_bit(around, i + 1u, count)) {
+        let onward = onward_from(loop_line(ray, open_entry(block, block.entries_start + i)), t);
+        cut.t = min(cut.t, onward.cut);
+        if onward.inside {
+            cut.inside = with_bit(cut.inside, i);
+        }
+    }
+    return cut;
+}
+
+// Marches on to a cut, in pieces.
+fn march_to(ray: Ray, cut: Cut, t: f32, depth_to: f32, marched: ptr<function, Marched>) {
+    let pieces = max(ceil((cut.t - t) / slice.step), 1.0);
+    let piece = (cut.t - t) / pieces;
+    for (var k = 0.0; k < pieces; k += 1.0) {
+        let middle = t + (k + 0.5) * piece;
+        let extinction = extinction_at(ray, (*marched).block, cut.inside, middle);
+        if COUNTERS && extinction.x > 0.0 {
+            count_contributing_hits += 1u;
+        }
+        let depth = (*marched).depth + extinction.x * piece;
+        if depth > depth_to {
+            (*marched).fell = true;
+            (*marched).start = t + k * piece;
+            (*marched).middle = middle;
+            (*marched).extinction = extinction.x;
+            (*marched).sum = extinction.y;
+            (*marched).inside = cut.inside;
+            return;
+        }
+        (*marched).depth = depth;
+    }
+}
+
+// Marches through the block that a walk is in; the cuts made so far, and with it.
+fn march_block(ray: Ray, walk: Walk, cuts: u32, depth_to: f32, marched: ptr<function, Marched>) -> u32 {
+    if COUNTERS {
+        count_cells += 1u;
+    }
+    let block = open_block(ray, walk.place, walk.t_enter, walk.t_exit, MEET_VOLUME);
+    (*marched).block = block;
+    var segment = RaySegment(vec4<u32>(), 0u, ALL_ENTRIES, walk.t_enter, walk.t_enter, walk.t_enter);
+    var t = walk.t_enter;
+    var t_look = t;
+    var made = cuts;
+    while t < walk.t_exit && made < MAX_CUTS && !(*marched).fell {
+        made++;
+        if t >= segment.next || t_look > segment.next {
+            t_look = max(t_look, t);
+            segment = segment_from(ray, block, segment.ahead, t, t_look, walk.t_exit);
+        }
+        let cut = next_cut(ray, block, segment.around, t, walk.t_exit);
+        if !any(cut.inside != vec4<u32>()) {
+            t = min(cut.t, segment.next);
+        } else if cut.t > segment.next {
+            // The loops that begin before it may cut as well.
+            t_look = cut.t;
+        } else {
+            march_to(ray, cut, t, depth_to, marched);
+            t = cut.t;
+        }
+    }
+    return made;
+}
+
 // Ground yarns are looked for when the march comes to `ground_from`; it goes on to the yarn found, or ends at once.
 fn march(ray: Ray, depth_to: f32, ground_from: f32, ends_with_ground: bool) -> Marched {
     var marched: Marched;
@@ -180,68 +255,14 @@ fn march(ray: Ray, depth_to: f32, ground_from: f32, ends_with_ground: bool) -> M
         if !walk_goes_on(walk) {
             break;
         }
-        if COUNTERS {
-            count_cells += 1u;
-        }
-        let block = open_block(ray, walk.place, walk.t_enter, walk.t_exit, MEET_VOLUME);
-        let count = block.entries_end - block.entries_start;
-        marched.block = block;
-        var segment = RaySegment(vec4<u32>(), 0u, ALL_ENTRIES, walk.t_enter, walk.t_enter, walk.t_enter);
-        var t = walk.t_enter;
-        var t_look = t;
-        while t < walk.t_exit && cuts < MAX_CUTS && !marched.fell {
-            cuts++;
-            if t >= segment.next || t_look > segment.next {
-                t_look = max(t_look, t);
-                segment = segment_from(ray, block, segment.ahead, t, t_look, walk.t_exit);
-            }
-            var cut = walk.t_exit;
-            var inside = vec4<u32>();
-            for (var i = next_bit(segment.around, 0u, count); i < count; i = next_bit(segment.around, i + 1u, count)) {
-                let onward = onward_from(loop_line(ray, open_entry(block, block.entries_start + i)), t);
-                cut = min(cut, onward.cut);
-                if onward.inside {
-                    inside = with_bit(inside, i);
-                }
-            }
-            if !any(inside != vec4<u32>()) {
-                t = min(cut, segment.next);
-                continue;
-            }
-            if cut > segment.next {
-                // The loops that begin before it may cut as well.
-                t_look = cut;
-                continue;
-            }
-            let pieces = max(ceil((cut - t) / slice.step), 1.0);
-            let piece = (cut - t) / pieces;
-            for (var k = 0.0; k < pieces; k += 1.0) {
-                let middle = t + (k + 0.5) * piece;
-                let extinction = extinction_at(ray, block, inside, middle);
-                if COUNTERS && extinction.x > 0.0 {
-                    count_contributing_hits += 1u;
-                }
-                let depth = marched.depth + extinction.x * piece;
-                if depth > depth_to {
-                    marched.fell = true;
-                    marched.start = t + k * piece;
-                    marched.middle = middle;
-                    marched.extinction = extinction.x;
-                    marched.sum = extinction.y;
-                    marched.inside = inside;
-                    break;
-                }
-                marched.depth = depth;
-            }
-            t = cut;
-        }
+        cuts = march_block(ray, walk, cuts, depth_to, &marched);
         walk_step(ray, &walk);
     }
     return marched;
 }
 
-// Where the optical depth along a ray exceeds `depth_left`, which is lowered by what the ray meets; `choice` in [0, 1) picks one
-// of the loops there, by their shares of σ.
+// Where the optical depth along a ray exceeds `depth_left`, which is lowered by what the ray meets; `choice` in [0, 1)
+// picks one of the loops there, by their shares of σ.
 fn exact_first(ray: Ray, depth_left: ptr<function, f32>, choice: f32) -> Scatter {
     let depth_to = *depth_left;
     let marched = march(ray, depth_to, ground_search_start(ray), false);
@@ -259,7 +280,8 @@ fn exact_first(ray: Ray, depth_left: ptr<function, f32>, choice: f32) -> Scatter
     let count = block.entries_end - block.entries_start;
     var rest = choice * marched.sum;
     var chosen: Held;
-    for (var i = next_bit(marched.inside, 0u, count); i < count && rest >= 0.0; i = next_bit(marched.inside, i + 1u, count)) {
+    let inside = marched.inside;
+    for (var i = next_bit(inside, 0u, count); i < count && rest >= 0.0; i = next_bit(inside, i + 1u, count)) {
         let held = held_by(ray, block, i, marched.middle);
         if held.extinction > 0.0 {
             chosen = held;
@@ -272,7 +294,7 @@ fn exact_first(ray: Ray, depth_left: ptr<function, f32>, choice: f32) -> Scatter
 
 // V: the share of light that passes all loops and the skeleton along a ray.
 fn exact_visibility(ray: Ray) -> f32 {
-    let marched = march(ray, select(FAR, -log(BLOCKED), OPAQUE_RAYS), -FAR, true);
+    let marched = march(ray, select(FAR, -log(DARK), OPAQUE_RAYS), -FAR, true);
     if COUNTERS && marched.fell {
         count_ended_rays += 1u;
     }

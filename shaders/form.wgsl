@@ -1,8 +1,6 @@
 // Bent cloth: a ray of the world as a chain of straight segments through the flat sheet. What facets, their tetrahedra
 // and boxes are: renderer-core/src/scene/form/mod.rs. Level cloth has one segment, the ray itself.
 
-// Texels of a row of form_mesh.
-const FORM_ROW: u32 = 1024u;
 // Segments of one ray: far more than there are in any.
 const MOST_SEGMENTS: u32 = 8192u;
 // Boxes looked at for one entry into the cloth.
@@ -18,8 +16,8 @@ fn form_corner(facet: vec2<i32>, upper: vec3<u32>) -> vec3<f32> {
     return form_texel(2u * (place.y * u32(scene.form_facets.x + 1) + place.x) + upper.z);
 }
 
-// One of the six tetrahedra of a facet: coordinates in the facet, from 0 to 1, fall along these axes, 1 ≥ s[first] ≥
-// s[second] ≥ s[third] ≥ 0.
+// One of the six tetrahedra of a facet: coordinates in the facet, from 0 to 1, fall along these axes,
+// 1 ≥ s[first] ≥ s[second] ≥ s[third] ≥ 0.
 struct KuhnTetrahedron {
     first: u32,
     second: u32,
@@ -91,7 +89,8 @@ fn tet_map(facet: vec2<i32>, tetrahedron: KuhnTetrahedron) -> TetMap {
 // A vector of the world in coordinates of the facet.
 fn coordinates_along(map: TetMap, vector: vec3<f32>) -> vec3<f32> {
     let yz = cross(map.y, map.z);
-    return vec3<f32>(dot(yz, vector), dot(cross(map.z, map.x), vector), dot(cross(map.x, map.y), vector)) / dot(map.x, yz);
+    let across = vec3<f32>(dot(yz, vector), dot(cross(map.z, map.x), vector), dot(cross(map.x, map.y), vector));
+    return across / dot(map.x, yz);
 }
 
 fn facet_mm() -> vec3<f32> {
@@ -111,7 +110,8 @@ fn cloth_place(cell: vec2<i32>, point: vec3<f32>) -> ClothPlace {
     let facet = clamp(from_first / scene.form_facet_cells, vec2<i32>(0), scene.form_facets - 1);
     let cells = vec2<f32>(from_first - facet * scene.form_facet_cells) + 0.5 + point.xy / scene.pitch;
     // A point beside its cell may be in the next facet.
-    let moved = clamp(facet + vec2<i32>(floor(cells / f32(scene.form_facet_cells))), vec2<i32>(0), scene.form_facets - 1);
+    let ahead = vec2<i32>(floor(cells / f32(scene.form_facet_cells)));
+    let moved = clamp(facet + ahead, vec2<i32>(0), scene.form_facets - 1);
     let coordinates = vec3<f32>(
         cells / f32(scene.form_facet_cells) - vec2<f32>(moved - facet),
         (point.z - scene.form_heights.x) / (scene.form_heights.y - scene.form_heights.x),
@@ -249,120 +249,167 @@ fn is_within(coordinates: vec3<f32>, tetrahedron: KuhnTetrahedron) -> bool {
     return s.x <= 1.0 && s.y <= s.x && s.z <= s.y && s.z >= 0.0;
 }
 
+// Where a ray comes into the cloth, and into which tetrahedron; FAR if it does not.
+struct Entry {
+    t: f32,
+    facet: vec2<i32>,
+    tetrahedron: KuhnTetrahedron,
+}
+
+// Where a ray enters a tetrahedron of a facet by those of its sides at which the cloth ends; FAR if it does not.
+fn tet_entry(facet: vec2<i32>, tetrahedron: KuhnTetrahedron, point: vec3<f32>, direction: vec3<f32>) -> f32 {
+    let ahead = is_outer(facet, tetrahedron.first, 1);
+    let behind = is_outer(facet, tetrahedron.third, -1);
+    var t = FAR;
+    if !ahead && !behind {
+        return t;
+    }
+    let corners = tet_corners(facet, tetrahedron);
+    let a = corners.a - point;
+    let b = corners.b - point;
+    let c = corners.c - point;
+    let d = corners.d - point;
+    if ahead {
+        let through = enters_by(b, c, d, a, direction);
+        t = select(t, through, through > 0.0);
+    }
+    if behind {
+        let through = enters_by(a, b, c, d, direction);
+        t = select(t, min(t, through), through > 0.0);
+    }
+    return t;
+}
+
+// The nearest of an entry and those into a facet's tetrahedra. One that holds the ray's start, if any may, is entered
+// at once.
+fn facet_entry(nearest: Entry, facet: vec2<i32>, point: vec3<f32>, direction: vec3<f32>, may_hold: bool) -> Entry {
+    var entry = nearest;
+    var tetrahedron = KuhnTetrahedron(2u, 0u, 1u);
+    for (var index = 0u; index < 6u; index++) {
+        tetrahedron = next_tetrahedron(tetrahedron, index);
+        if may_hold {
+            let map = tet_map(facet, tetrahedron);
+            if is_within(coordinates_along(map, point - map.origin), tetrahedron) {
+                return Entry(0.0, facet, tetrahedron);
+            }
+        }
+        let t = tet_entry(facet, tetrahedron, point, direction);
+        if t < entry.t {
+            entry = Entry(t, facet, tetrahedron);
+        }
+    }
+    return entry;
+}
+
+// A box around facets.
+struct FacetBox {
+    level: u32,
+    // The number of the level's first box among those of all levels.
+    first: u32,
+    at: vec2<u32>,
+}
+
+// The one box around all facets.
+fn box_around_all() -> FacetBox {
+    let top = scene.form_levels - 1u;
+    var first = 0u;
+    for (var below = 0u; below < top; below++) {
+        let count = boxes_of(below);
+        first += count.x * count.y;
+    }
+    return FacetBox(top, first, vec2<u32>(0u));
+}
+
+// The first of the four boxes that a box is made of.
+fn first_within(whole: FacetBox) -> FacetBox {
+    let level = whole.level - 1u;
+    let count = boxes_of(level);
+    return FacetBox(level, whole.first - count.x * count.y, whole.at * 2u);
+}
+
+// The next box, in the order of a Z curve, that is not in this one; the one around all if this is the last.
+fn box_after(here: FacetBox) -> FacetBox {
+    let top = scene.form_levels - 1u;
+    var after = here;
+    while after.level < top && all((after.at & vec2<u32>(1u)) == vec2<u32>(1u)) {
+        let count = boxes_of(after.level);
+        after.first += count.x * count.y;
+        after.level += 1u;
+        after.at = after.at >> vec2<u32>(1u);
+    }
+    if after.level < top {
+        let is_left = (after.at.x & 1u) == 0u;
+        after.at = select(vec2<u32>(after.at.x - 1u, after.at.y + 1u), after.at + vec2<u32>(1u, 0u), is_left);
+    }
+    return after;
+}
+
+// A box's least and greatest corner, relative to a point.
+struct BoxCorners {
+    least: vec3<f32>,
+    greatest: vec3<f32>,
+}
+
+fn corners_of_box(here: FacetBox, point: vec3<f32>) -> BoxCorners {
+    let corners_in_all = 2u * u32((scene.form_facets.x + 1) * (scene.form_facets.y + 1));
+    let texel = corners_in_all + 2u * (here.first + here.at.y * boxes_of(here.level).x + here.at.x);
+    return BoxCorners(form_texel(texel) - point, form_texel(texel + 1u) - point);
+}
+
+// Where a ray enters a box, 0 if it starts in it; FAR if it does not, or if there is no such box.
+fn box_entry(here: FacetBox, point: vec3<f32>, inverse: vec3<f32>) -> f32 {
+    if any(here.at >= boxes_of(here.level)) {
+        return FAR;
+    }
+    let corners = corners_of_box(here, point);
+    let a = corners.least * inverse;
+    let b = corners.greatest * inverse;
+    let near = min(a, b);
+    let far = max(a, b);
+    let enter = max(max(near.x, near.y), max(near.z, 0.0));
+    return select(FAR, enter, enter <= min(far.x, min(far.y, far.z)));
+}
+
 // Brings a ray from outside to where it comes into the cloth next; false if it never does. One that comes from the eye
 // may be in the cloth already. Boxes are looked at in the order of a Z curve, without a stack.
 fn enter_cloth(segments: ptr<function, RaySegments>, from_eye: bool) -> bool {
     var point = (*segments).point;
     let direction = (*segments).direction;
     let inverse = bounded_inverse(direction);
-    let top = scene.form_levels - 1u;
-    let corners_in_all = 2u * u32((scene.form_facets.x + 1) * (scene.form_facets.y + 1));
-    var level = top;
-    var first = 0u;
-    for (var below = 0u; below < top; below++) {
-        let count = boxes_of(below);
-        first += count.x * count.y;
-    }
+    var here = box_around_all();
     if from_eye {
         // Its origin may lie behind where it comes into the box around all, but not its eye.
-        let a = (form_texel(corners_in_all + 2u * first) - point) * inverse;
-        let b = (form_texel(corners_in_all + 2u * first + 1u) - point) * inverse;
-        let near = min(a, b);
+        let corners = corners_of_box(here, point);
+        let near = min(corners.least * inverse, corners.greatest * inverse);
         let back = clamp(max(near.x, max(near.y, near.z)), min((*segments).t_start, 0.0), 0.0);
         point += back * direction;
         (*segments).t += back;
     }
-    var at = vec2<u32>(0u);
-    var nearest = FAR;
-    var nearest_facet = vec2<i32>(0);
-    var nearest_tetrahedron = KuhnTetrahedron(0u, 1u, 2u);
+    var nearest = Entry(FAR, vec2<i32>(0), KuhnTetrahedron(0u, 1u, 2u));
     for (var n = 0u; n < MOST_BOXES; n++) {
-        let count = boxes_of(level);
-        var meets = all(at < count);
-        var holds = false;
-        if meets {
-            let texel = corners_in_all + 2u * (first + at.y * count.x + at.x);
-            let a = (form_texel(texel) - point) * inverse;
-            let b = (form_texel(texel + 1u) - point) * inverse;
-            let near = min(a, b);
-            let far = max(a, b);
-            let enter = max(max(near.x, near.y), max(near.z, 0.0));
-            meets = enter <= min(far.x, min(far.y, far.z)) && enter < nearest;
-            holds = from_eye && enter <= 0.0;
-        }
-        if meets && level > 0u {
-            level -= 1u;
-            let lower = boxes_of(level);
-            first -= lower.x * lower.y;
-            at *= 2u;
+        let enter = box_entry(here, point, inverse);
+        if enter < nearest.t && here.level > 0u {
+            here = first_within(here);
             continue;
         }
-        if meets {
-            let facet = vec2<i32>(at);
-            var tetrahedron = KuhnTetrahedron(2u, 0u, 1u);
-            for (var index = 0u; index < 6u; index++) {
-                tetrahedron = next_tetrahedron(tetrahedron, index);
-                let ahead = is_outer(facet, tetrahedron.first, 1);
-                let behind = is_outer(facet, tetrahedron.third, -1);
-                if holds {
-                    let map = tet_map(facet, tetrahedron);
-                    if is_within(coordinates_along(map, point - map.origin), tetrahedron) {
-                        nearest = 0.0;
-                        nearest_facet = facet;
-                        nearest_tetrahedron = tetrahedron;
-                        break;
-                    }
-                }
-                if !ahead && !behind {
-                    continue;
-                }
-                let corners = tet_corners(facet, tetrahedron);
-                let a = corners.a - point;
-                let b = corners.b - point;
-                let c = corners.c - point;
-                let d = corners.d - point;
-                var t = FAR;
-                if ahead {
-                    let through = enters_by(b, c, d, a, direction);
-                    t = select(t, through, through > 0.0);
-                }
-                if behind {
-                    let through = enters_by(a, b, c, d, direction);
-                    t = select(t, min(t, through), through > 0.0);
-                }
-                if t < nearest {
-                    nearest = t;
-                    nearest_facet = facet;
-                    nearest_tetrahedron = tetrahedron;
-                }
-            }
+        if enter < nearest.t {
+            nearest = facet_entry(nearest, vec2<i32>(here.at), point, direction, from_eye && enter <= 0.0);
         }
-        // On to the next box that is not in this one.
-        while level < top && all((at & vec2<u32>(1u)) == vec2<u32>(1u)) {
-            let here = boxes_of(level);
-            first += here.x * here.y;
-            level += 1u;
-            at = at >> vec2<u32>(1u);
-        }
-        if level == top {
+        here = box_after(here);
+        if here.level == scene.form_levels - 1u {
             break;
         }
-        if (at.x & 1u) == 0u {
-            at.x += 1u;
-        } else {
-            at = vec2<u32>(at.x - 1u, at.y + 1u);
-        }
     }
-    if nearest >= FAR {
+    if nearest.t >= FAR {
         return false;
     }
-    let map = tet_map(nearest_facet, nearest_tetrahedron);
+    let map = tet_map(nearest.facet, nearest.tetrahedron);
     (*segments).place = ClothPlace(
-        nearest_facet,
-        nearest_tetrahedron,
-        clamp(coordinates_along(map, point + nearest * direction - map.origin), vec3<f32>(0.0), vec3<f32>(1.0)),
+        nearest.facet,
+        nearest.tetrahedron,
+        clamp(coordinates_along(map, point + nearest.t * direction - map.origin), vec3<f32>(0.0), vec3<f32>(1.0)),
     );
-    (*segments).t += nearest;
+    (*segments).t += nearest.t;
     return true;
 }
 

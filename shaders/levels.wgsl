@@ -1,4 +1,4 @@
-// Levels of detail of one picture: which of them a sample shows (render::levels tells why and how).
+// Levels of detail of one picture: which of them a sample shows (render::levels says why and how).
 
 // The level of a sample of a pixel in a row of the whole picture.
 fn level_of(row: u32, seed_of_pixel: u32, sample: u32) -> u32 {

@@ -2,7 +2,7 @@
 
 // A direction in the sun's disc, uniform over its solid angle.
 fn sun_direction(sun: Sun, u: vec2<f32>) -> vec3<f32> {
-    // 1 − cos θ is kept apart: for a small sun cos θ has no digits left to tell directions by.
+    // 1 − cos θ is kept apart: for a small sun cos θ has no digits left to distinguish directions.
     let fall = u.x * sun.direction.w;
     let sin_angle = sqrt(max(fall * (2.0 - fall), 0.0));
     let disc = sin_angle * on_circle(u.y);
@@ -42,8 +42,8 @@ fn sky_gradient(up: f32) -> vec3<f32> {
     return mix(scene.sky_horizon.xyz, other, smoothstep(0.0, reach, abs(up)));
 }
 
-// The angle of (x, y) from +x, in (−π, π], to f32 rounding: WGSL's own atan2 may err by 4096 of its last places, several
-// columns of a picture. Polynomial of Cephes' atanf, good below tan(π/8).
+// The angle of (x, y) from +x, in (−π, π], to f32 rounding: WGSL's own atan2 may err by 4096 of its last places,
+// several columns of a picture. Polynomial of Cephes' atanf, good below tan(π/8).
 fn angle_of(y: f32, x: f32) -> f32 {
     let shorter = min(abs(x), abs(y));
     let longer = max(abs(x), abs(y));
@@ -70,8 +70,8 @@ fn sky_row(left: i32, share: f32, y: i32, size: vec2<i32>) -> vec3<f32> {
     return mix(a, b, share);
 }
 
-// Columns go against azimuths, rows from the zenith down. Filtered by hand: a sampler's 8-bit weights would show where a
-// sun stands beside a sky.
+// Columns go against azimuths, rows from the zenith down. Filtered by hand: a sampler's 8-bit weights would show where
+// a sun stands beside a sky.
 fn sky_image(direction: vec3<f32>) -> vec3<f32> {
     let size = sky_size();
     let azimuth = angle_of(direction.y, direction.x);
@@ -99,9 +99,11 @@ fn environment_radiance(direction: vec3<f32>) -> vec3<f32> {
     return scene.environment.xyz;
 }
 
-// Directions by a picture's light: what is drawn how, and why, stands in renderer-core/src/sampling/piecewise_constant_2d.rs.
+// Directions by a picture's light: what is drawn how, and why, stands in
+// renderer-core/src/sampling/piecewise_constant_2d.rs.
 
-// Place and width of the `index`-th share among sums of light: in a row of texels or, for `row` < 0, of the rows of a half.
+// Place and width of the `index`-th share among sums of light: in a row of texels or, for `row` < 0, of the rows of a
+// half.
 fn light_sum(index: i32, row: i32, column: i32) -> f32 {
     if index < 0 {
         return 0.0;
@@ -168,8 +170,8 @@ fn density_by_light(direction: vec3<f32>) -> f32 {
     return of_row * in_row / (2.0 * PI / f32(size.x) * (falls.y - falls.x));
 }
 
-// The density with which the phase draws a direction to the sky; of fibres that of a Lambertian surface. `same_side`: the share
-// of looks to the side of the sheet that the direction goes to.
+// The density with which the phase draws a direction to the sky; of fibres that of a Lambertian surface. `same_side`:
+// the share of looks to the side of the sheet that the direction goes to.
 fn density_by_phase(at: Scatter, towards_eye: vec3<f32>, direction: vec3<f32>, same_side: f32) -> f32 {
     if at.what == GROUND {
         if SHADING == SHADING_PHONG {
@@ -189,8 +191,8 @@ fn density_by_phase(at: Scatter, towards_eye: vec3<f32>, direction: vec3<f32>, s
     return same_side * (0.5 / PI);
 }
 
-// A direction to the sky with three numbers: by the phase, and that of a drawn sky mostly by its light (one-sample balance
-// heuristic).
+// A direction to the sky with three numbers: by the phase, and that of a drawn sky mostly by its light (one-sample
+// balance heuristic).
 fn draw_sky(at: Scatter, rotation: Rotation, towards_eye: vec3<f32>, u: vec3<f32>) -> Drawn {
     if !DRAWN_SKY {
         return draw_sky_direction(at, towards_eye, u);

@@ -1,5 +1,5 @@
-// Which loops of a block's list are around a ray, and from where to where: kept as bits of a mask, since arrays would live in
-// slow memory.
+// Which loops of a block's list are around a ray, and from where to where: kept as bits of a mask, since arrays would
+// live in slow memory.
 
 // Which entries of a block's list: bit k stands for entry k, and in longer lists also for k + 128, k + 256 and so on.
 const MASKED: u32 = 128u;
@@ -28,8 +28,8 @@ fn next_bit(mask: vec4<u32>, start: u32, end: u32) -> u32 {
     return select(min(ahead, end), end, again == MASKED);
 }
 
-// The first entry from `start` on that the ray's part in the block may meet, of those of a mask; the end of the list if none.
-// A loop of its own, like next_met.
+// The first entry from `start` on that the ray's part in the block may meet, of those of a mask; the end of the list if
+// none. A loop of its own, like next_met.
 fn next_of(block: Block, mask: vec4<u32>, start: u32) -> u32 {
     let count = block.entries_end - block.entries_start;
     var entry = start;
@@ -42,9 +42,6 @@ fn next_of(block: Block, mask: vec4<u32>, start: u32) -> u32 {
     return entry;
 }
 
-// By how much loops are taken to be thicker where a ray's part in one is looked for: rounding of the bent surfaces' coefficients
-// is below a ten-thousandth of usual thicknesses.
-const WIDENED: f32 = 1.001;
 // A distance that no ray needs to go from a loop's middle to cross it, mm.
 const NEVER: f32 = 1.0e6;
 
@@ -64,8 +61,8 @@ fn below_zero(c: vec3<f32>) -> vec2<f32> {
     return select(vec2<f32>(root, c.x / q), vec2<f32>(c.x / q, root), falls);
 }
 
-// Outside of these distances a line is certainly not in the loop: between its side faces and, with w·h = z − (A·n̂)u′v′, where
-// that may be within ±h/2. u′v′ is pq but for (1 + αv′)(1 + βu′), and at most ¼.
+// Outside of these distances a line is certainly not in the loop: between its side faces and, with w·h = z −
+// (A·n̂)u′v′, where that may be within ±h/2. u′v′ is pq but for (1 + αv′)(1 + βu′), and at most ¼.
 fn part_in_loop(line: LoopLine) -> vec2<f32> {
     let sides = between_sides(line) - line.t_near;
     let half_skew = 0.5 * abs(vec2<f32>(line.alpha, line.beta));
@@ -99,8 +96,8 @@ struct RaySegment {
     next: f32,
 }
 
-// What is around a ray from `t` to `t_look` and on to where the next loop begins, of the loops `ahead`; the ray leaves the
-// block at `t_to`.
+// What is around a ray from `t` to `t_look` and on to where the next loop begins, of the loops `ahead`; the ray leaves
+// the block at `t_to`.
 fn segment_from(ray: Ray, block: Block, ahead: vec4<u32>, t: f32, t_look: f32, t_to: f32) -> RaySegment {
     var segment = RaySegment(vec4<u32>(), 0u, vec4<u32>(), t_to, t, t_to);
     for (var i = next_of(block, ahead, block.entries_start); i < block.entries_end; i = next_of(block, ahead, i + 1u)) {

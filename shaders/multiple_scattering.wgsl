@@ -1,13 +1,6 @@
 // The light of further scatterings, estimated from one shadow ray instead of traced; definition, meaning of the numbers
 // and their source: renderer-core/src/optics/multiple_scattering.rs.
 
-// g, r and β of each mode.
-const SCATTERING_MODE_FIRST: vec3<f32> = vec3<f32>(0.0606, 0.5, 0.6);
-const SCATTERING_MODE_MIDDLE: vec3<f32> = vec3<f32>(0.0288, 0.88, 0.35);
-const SCATTERING_MODE_LAST: vec3<f32> = vec3<f32>(0.00628, 0.975, 0.25);
-const SCATTERING_LEVEL: f32 = 0.9;
-const SCATTERING_FLOOR: f32 = 1.0e-4;
-
 fn scattering_mode(mode: vec3<f32>, visible: f32, albedo: vec3<f32>, orders: f32) -> vec3<f32> {
     let x = albedo * mode.y;
     let rest = pow(max(x, vec3<f32>(1.0e-9)), vec3<f32>(orders));

@@ -1,11 +1,11 @@
 // Ray against bilinear patch, in f32, relative to the loop's own cell; mm.
 //
-// With u′ = u − ½, v′ = v − ½ and A = 2(e − g): P = M + ½C′ + u′·(g + e) + v′·C′ + u′v′·A, where M is the middle of the base
-// edge, g half the base edge, e half the top edge and C′ the axis. A ray o + t·d meets a line of constant u′ or v′ where a
-// product of three vectors vanishes, which is a quadratic; it is solved with the sign-safe root (Reshetov, "Cool Patches",
-// Ray Tracing Gems 2019, ch. 8; Wang's §5.2 solves the same system). Of the two families of lines the one is taken that
-// runs less along the ray. The origin is first moved along the ray to its point nearest the patch's middle: from far
-// away the coefficients would be differences of large numbers.
+// With u′ = u − ½, v′ = v − ½ and A = 2(e − g): P = M + ½C′ + u′·(g + e) + v′·C′ + u′v′·A, where M is the middle of the
+// base edge, g half the base edge, e half the top edge and C′ the axis. A ray o + t·d meets a line of constant u′ or v′
+// where a product of three vectors vanishes, which is a quadratic; it is solved with the sign-safe root (Reshetov,
+// "Cool Patches", Ray Tracing Gems 2019, ch. 8; Wang's §5.2 solves the same system). Of the two families of lines the
+// one is taken that runs less along the ray. The origin is first moved along the ray to its point nearest the patch's
+// middle: from far away the coefficients would be differences of large numbers.
 
 struct Patch {
     // M; its x and y are 0.
@@ -67,10 +67,6 @@ struct Seen {
     t_moved: f32,
 }
 
-// Where a line of constant p, seen along the ray, is so much shorter than the patch that p needs another step (squared): in
-// twisted patches, whose lines differ in direction, and in pointed ones.
-const SHORT: f32 = 0.01;
-
 // One step of Newton's method on the place where point and ray meet, if it is small.
 fn refined(seen: Seen, at: vec2<f32>) -> vec2<f32> {
     let tangent_p = seen.along_p + at.y * seen.twist;
@@ -79,8 +75,8 @@ fn refined(seen: Seen, at: vec2<f32>) -> vec2<f32> {
     let area = dot(cross(tangent_p, tangent_r), seen.direction);
     let p_area = dot(cross(tangent_r, point), seen.direction);
     let r_area = dot(cross(point, tangent_p), seen.direction);
-    // A step leaves the product of its parts, times the twist. Where that is more than rounding two crossings are about to
-    // become one, and the method fails.
+    // A step leaves the product of its parts, times the twist. Where that is more than rounding two crossings are about
+    // to become one, and the method fails.
     if abs(p_area * r_area) > 1.0e-7 * area * area || area == 0.0 {
         return at;
     }
@@ -159,10 +155,6 @@ fn patch_roots(shape: Patch, origin: vec3<f32>, direction: vec3<f32>) -> Roots {
     return roots;
 }
 
-// Projected areas are positive, since compile makes every loop convex, and above this (mm²), since it drops the
-// degenerate; below, products of slopes would not be finite.
-const SMALLEST_AREA: f32 = 1.0e-9;
-
 // How fast a ray moves through (u, v, w) at a point of the patch.
 struct Slopes {
     u: f32,
@@ -172,7 +164,8 @@ struct Slopes {
     bend: f32,
 }
 
-// (u′, v′, w′) = J⁻¹·d, J = [∂P/∂u, ∂P/∂v, h·n̂]. |w′| is at least 1e-6, so that a ray along the patch keeps a direction.
+// (u′, v′, w′) = J⁻¹·d, J = [∂P/∂u, ∂P/∂v, h·n̂]. |w′| is at least FLATTEST, so that a ray along the patch keeps a
+// direction.
 fn patch_slopes(shape: Patch, normal: vec3<f32>, direction: vec3<f32>, u: f32, v: f32) -> Slopes {
     let spread = shape.half_top - shape.half_base;
     let along_u = 2.0 * (shape.half_base + v * spread);
@@ -182,7 +175,7 @@ fn patch_slopes(shape: Patch, normal: vec3<f32>, direction: vec3<f32>, u: f32, v
     let du = dot(direction, cross(along_v, normal)) * inverse;
     let dv = dot(direction, cross(normal, along_u)) * inverse;
     let dw = dot(direction, area_vector) * inverse / scene.thickness;
-    let dw_bounded = select(-1.0, 1.0, dw >= 0.0) * max(abs(dw), 1.0e-6);
+    let dw_bounded = select(-1.0, 1.0, dw >= 0.0) * max(abs(dw), FLATTEST);
     return Slopes(du, dv, dw_bounded, 2.0 * dot(spread, normal) * du * dv);
 }
 

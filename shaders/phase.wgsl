@@ -140,8 +140,8 @@ fn draw_direction(at: Scatter, towards_eye: vec3<f32>, u: vec2<f32>) -> Drawn {
     return Drawn(direction, at.albedo);
 }
 
-// The same towards the environment, with three numbers: points that scatter equally look to the other side of the ground in
-// the share `looks_down` only.
+// The same towards the environment, with three numbers: points that scatter equally look to the other side of the
+// ground in the share `looks_down` only.
 fn draw_sky_direction(at: Scatter, towards_eye: vec3<f32>, u: vec3<f32>) -> Drawn {
     if phase_of(at.material) != PHASE_ISOTROPIC || at.what == GROUND {
         return draw_direction(at, towards_eye, u.xy);

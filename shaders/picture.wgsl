@@ -22,8 +22,8 @@ struct Slice {
     pixels_per_tile: u32,
     seed: u32,
     bounces: u32,
-    // Of the tiles that are drawn those before this one have `samples_before` samples, the others `samples_after`; where that is 0, only the pixels
-    // on the lattice of stride `lattice_before` or `lattice_after` have one.
+    // Of the tiles that are drawn those before this one have `samples_before` samples, the others `samples_after`;
+    // where that is 0, only the pixels on the lattice of stride `lattice_before` or `lattice_after` have one.
     split_tile: u32,
     samples_before: u32,
     samples_after: u32,
@@ -38,8 +38,8 @@ struct Slice {
     step: f32,
     // First samples whose shadows may come from a cache, with CACHED_SHADOWS.
     cached_shadows: u32,
-    // With LEVELS: the level of detail that is drawn, the picture's last one, how fine the whole picture's first row of pixels
-    // needs the cloth, and how much finer the next does.
+    // With LEVELS: the level of detail that is drawn, the picture's last one, how fine the whole picture's first row of
+    // pixels needs the cloth, and how much finer the next does.
     level: u32,
     last_level: u32,
     first_row_fineness: f32,
@@ -56,24 +56,17 @@ struct Slice {
     background: vec4<f32>,
 }
 
-const TONE_NONE: u32 = 0u;
-const TONE_FILMIC: u32 = 1u;
-// Vectors of a pixel in the accumulation: radiance and coverage, signed sums by scramble, then with AOV normal and depth,
-// albedo and count of the samples that met cloth.
+// Vectors of a pixel in the accumulation: radiance and coverage, signed sums by scramble, then with AOV normal and
+// depth, albedo and count of the samples that met cloth.
 const SUM_COLOUR: u32 = 0u;
 const SUM_SIGNED: u32 = 1u;
 const SUM_NORMAL: u32 = 2u;
 const SUM_ALBEDO: u32 = 3u;
-const SUMS: u32 = 2u;
-const SUMS_WITH_AOV: u32 = 4u;
-// The coarsest lattice of the first sample: one pixel a tile.
-const COARSEST: u32 = 16u;
 
 @group(1) @binding(1) var<storage, read_write> sums: array<vec4<f32>>;
 @group(1) @binding(2) var<uniform> slice: Slice;
 // For each tile of the picture: 0 while it is drawn, then its samples; ALL_BACKGROUND if it never was.
 @group(1) @binding(7) var<storage, read> tile_ends: array<u32>;
-const ALL_BACKGROUND: u32 = 0xffffffffu;
 
 // The signs with which the channels of a pixel make up the one number that its error is estimated from: over every
 // 2 × 2 pixels all products of two channels cancel, and what is left is the sum of the channels' variances.

@@ -1,5 +1,6 @@
 // ENTRY resolve_display: the mean so far, exposed, tone mapped and sRGB-encoded, into the texture the window shows.
-// ENTRY resolve_linear: the mean so far, linear, into a buffer that is read back. Host twin of the display: image/display.rs.
+// ENTRY resolve_linear: the mean so far, linear, into a buffer that is read back. Host twin of the display:
+// image/display.rs.
 
 @group(1) @binding(4) var display: texture_storage_2d<rgba8unorm, write>;
 // One vec4 a pixel of the tiles of a slice, tile by tile; three with AOV.
@@ -40,9 +41,6 @@ fn srgb_encoded(linear_value: vec3<f32>) -> vec3<f32> {
     let high = 1.055 * pow(max(linear_value, vec3<f32>(1.0e-9)), vec3<f32>(1.0 / 2.4)) - 0.055;
     return select(high, low, linear_value <= vec3<f32>(0.0031308));
 }
-
-// Linear value above which `filmic` departs from the identity; as in image/display.rs.
-const SHOULDER: f32 = 0.6;
 
 // The shoulder of a film's curve without its toe.
 fn filmic(light: vec3<f32>) -> vec3<f32> {

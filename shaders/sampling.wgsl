@@ -1,5 +1,5 @@
 // Random numbers: integer hash, Owen-scrambled Sobol points, a small generator. Twin of renderer-core/src/sampling,
-// equal to it bit by bit; sources and reasons are told there.
+// equal to it bit by bit; sources and reasons are given there.
 
 struct Pcg { state: u32 }
 
@@ -60,14 +60,8 @@ fn unit_float(bits: u32) -> f32 {
     return f32(bits >> 8u) * (1.0 / 16777216.0);
 }
 
-// Which numbers serve what (sampling::Set).
-const SET_FILM: u32 = 0u;
-const SET_LEVEL: u32 = 1u;
-const SET_ENVIRONMENT: u32 = 8u;
-const SET_ONWARD: u32 = 9u;
-const SET_FIRST_AREA: u32 = 10u;
 fn set_at(bounce: u32, purpose: u32) -> u32 {
-    return 16u * bounce + purpose;
+    return SETS_PER_BOUNCE * bounce + purpose;
 }
 
 // Which scramble a sample belongs to: they take turns by runs.

@@ -74,7 +74,8 @@ struct SceneConstants {
     per_slice: f32,
     // Volumes of each kind of pile.
     variants: u32,
-    // Size of the loop that the volumes were made for, along u, v, w; w: how many mm of the cloth one of the scene's is.
+    // Size of the loop that the volumes were made for, along u, v, w; w: how many mm of the cloth one of the scene's
+    // is.
     reference_size: vec4<f32>,
     // Highest density of any material, 1/mm.
     max_density: f32,
@@ -93,8 +94,8 @@ struct SceneConstants {
     fibre_spacing: f32,
     // Share of looks at the environment that go to the other side of the ground.
     looks_down: f32,
-    // BENT: facets along x and y, the first cell of the first, lowest and highest z of the flat cloth, cells along a facet's
-    // sides, and levels of boxes.
+    // BENT: facets along x and y, the first cell of the first, lowest and highest z of the flat cloth, cells along a
+    // facet's sides, and levels of boxes.
     form_facets: vec2<i32>,
     form_first_cell: vec2<i32>,
     form_heights: vec2<f32>,
@@ -133,11 +134,11 @@ struct SceneConstants {
 @group(0) @binding(8) var tangents_a: texture_3d<f32>;
 @group(0) @binding(9) var tangents_b: texture_3d<f32>;
 @group(0) @binding(10) var voxel_sampler: sampler;
-// SKY_IMAGE: equirectangular, row 0 at the zenith. w: the share of its row's light up to a texel and with it; behind the
-// last texel that of the light of the upper half and of the lower half up to a row, counted from the pole.
+// SKY_IMAGE: equirectangular, row 0 at the zenith. w: the share of its row's light up to a texel and with it; behind
+// the last texel that of the light of the upper half and of the lower half up to a row, counted from the pole.
 @group(0) @binding(11) var sky_picture: texture_2d<f32>;
-// BENT: in rows of FORM_ROW, world positions of the lower and the upper end of the facets' corners, then least and greatest
-// corners of boxes.
+// BENT: in rows of FORM_ROW, world positions of the lower and the upper end of the facets' corners, then least and
+// greatest corners of boxes.
 @group(0) @binding(12) var form_mesh: texture_2d<f32>;
 
 // Where light is scattered; `cell` and `point` as in Ray.

@@ -6,7 +6,9 @@ fn single_gathered(event: Event, shape: Patch, normal: vec3<f32>, yarn: Yarn, ra
     // The linear map holds until the ray leaves the slab, or until the patch's bend moves w by half a thickness.
     let reach = min(0.5 / abs(slopes.w), sqrt(scene.thickness * 0.5 / max(abs(slopes.bend), 1.0e-20)));
     var range = vec2<f32>(max(-reach, ray.t_start - event.t), reach);
-    range = select(vec2<f32>(max(range.x, event.gap), range.y), vec2<f32>(range.x, min(range.y, event.gap)), event.gap >= 0.0);
+    let behind = vec2<f32>(max(range.x, event.gap), range.y);
+    let ahead = vec2<f32>(range.x, min(range.y, event.gap));
+    range = select(behind, ahead, event.gap >= 0.0);
     range = clip_unit(range, event.u, slopes.u);
     range = clip_unit(range, event.v, slopes.v);
     var gathered = Gathered(0.0, event.t, 0.0, vec3<f32>(event.u, event.v, 0.0));

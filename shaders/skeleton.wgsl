@@ -22,24 +22,12 @@ fn no_yarn() -> YarnHit {
 
 // How far off the surface rays that leave it start, as a share of the radius: far above rounding, far below notice.
 const YARN_LIFT: f32 = 1.0e-4;
-// Smallest step towards a tube, in its radii: a chord shorter than this may be missed.
-const SMALLEST_STEP: f32 = 1.0 / 64.0;
 // Enough to graze along a whole cell 8 radii long by smallest steps.
 const YARN_STEPS: u32 = 512u;
-// Bounds of a tube are this much too wide: where they only just touch it, rounding would put their edge inside.
-const ROOMY: f32 = 1.001;
-const PAPER_STEPS: u32 = 16u;
 // Halvings of a bracket of the paper's height field: down to what f32 resolves of a yarn.
 const BISECTIONS: u32 = 16u;
 // Steps of false position inside a bracket one smallest step wide, where the distance is all but straight.
 const REFINEMENTS: u32 = 2u;
-
-// Bits of a stitch word: which yarn is over here and in the next cells; shared with gpu/layout.rs.
-const STITCH_HERE: u32 = 0u;
-const STITCH_RIGHT: u32 = 1u;
-const STITCH_LEFT: u32 = 2u;
-const STITCH_FAR: u32 = 3u;
-const STITCH_NEAR: u32 = 4u;
 
 // +1 where the warp is over, −1 where it is under.
 fn warp_side(stitch: u32, place: u32) -> f32 {
@@ -283,5 +271,6 @@ fn ground_along(ray: Ray, t_to: f32) -> YarnHit {
 fn ground_scatter(ray: Ray, hit: YarnHit) -> Scatter {
     let facing = select(-1.0, 1.0, dot(hit.normal, ray.direction) <= 0.0) * hit.normal;
     let lift = YARN_LIFT * min(scene.yarn_radius.x, scene.yarn_radius.y);
-    return Scatter(GROUND, hit.cell, hit.point + lift * facing, hit.t, facing, hit.along, 0.0, scene.skeleton_albedo.xyz, 0u);
+    let point = hit.point + lift * facing;
+    return Scatter(GROUND, hit.cell, point, hit.t, facing, hit.along, 0.0, scene.skeleton_albedo.xyz, 0u);
 }

@@ -1,15 +1,7 @@
 // How ground yarns scatter (MODEL.md §7): lambert, phong, and poulin_fournier, whose yarns are covered with parallel
 // half-cylinders along the yarn, `fibre_spacing` radii apart, that hide and shade each other and the floor between them
-// (Poulin and Fournier 1990). Values are ψ/albedo with the light's cosine; what they mean and why is told in
+// (Poulin and Fournier 1990). Values are ψ/albedo with the light's cosine; what they mean and why is said in
 // renderer-core/src/optics/surface.rs.
-
-// Positive points and weights of the Gauss–Legendre rule with eight points over [−1, 1].
-const NODES: vec4<f32> = vec4<f32>(0.18343464, 0.52553241, 0.79666648, 0.96028986);
-const NODE_WEIGHTS: vec4<f32> = vec4<f32>(0.36268378, 0.31370665, 0.22238103, 0.10122854);
-// How far the highlight's integral reaches, in standard deviations.
-const REACH: f32 = 3.5;
-// The upper twelve bits of a random number choose a direction, the lower twelve the facet.
-const FACETS: f32 = 4096.0;
 
 fn mirrored(normal: vec3<f32>, towards_eye: vec3<f32>) -> vec3<f32> {
     return 2.0 * dot(normal, towards_eye) * normal - towards_eye;
@@ -30,7 +22,7 @@ fn arcsine(x: f32) -> f32 {
 
 // Density (p + 1)/2π·cos^p about `axis`.
 fn power_lobe(axis: vec3<f32>, p: f32, u: vec2<f32>) -> vec3<f32> {
-    // 1 − cos θ = 1 − e^−t is kept apart: where p is large, cos θ has few digits left to tell directions by.
+    // 1 − cos θ = 1 − e^−t is kept apart: where p is large, cos θ has few digits left to distinguish directions.
     let t = -log(1.0 - u.x) / (p + 1.0);
     let series = t * (1.0 - t / 2.0 * (1.0 - t / 3.0 * (1.0 - t / 4.0 * (1.0 - t / 5.0 * (1.0 - t / 6.0)))));
     let fall = select(1.0 - exp(-t), series, t < 0.25);

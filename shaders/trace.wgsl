@@ -17,7 +17,7 @@ fn visibility(at: Scatter, towards_light: vec3<f32>, bounce: u32, random: ptr<fu
     for (var n = 0u; visible > 0.0 && goes_on(&segments, n); n++) {
         visible *= visibility_along(segments.segment, bounce, random);
         let composited = METHOD != METHOD_TRACKED && (!LONG_PATHS || bounce == 1u);
-        if BENT && OPAQUE_RAYS && composited && visible < BLOCKED {
+        if BENT && OPAQUE_RAYS && composited && visible < DARK {
             return 0.0;
         }
     }
@@ -80,6 +80,32 @@ fn scatter_in(
     return track(ray, random);
 }
 
+// The share of light that reaches a point from a direction of the world, as direct light needs it and as light that has
+// scattered many times does: from an entry of the cache if that is known, else by a ray.
+fn shadow(
+    at: Scatter,
+    towards_light: vec3<f32>,
+    bounce: u32,
+    cached: bool,
+    entry: u32,
+    random: ptr<function, Pcg>,
+) -> vec2<f32> {
+    if cached {
+        let known = known_shadow(entry, random);
+        if known.x >= 0.0 {
+            if COUNTERS {
+                count_cached_rays += 1u;
+            }
+            return known;
+        }
+    }
+    let traced = visibility(at, towards_light, bounce, random);
+    if cached {
+        learn_shadow(entry, traced);
+    }
+    return vec2<f32>(traced);
+}
+
 // Step 6: what arrives at a point from the lights and is scattered towards the eye.
 fn lit(
     at: Scatter,
@@ -124,20 +150,8 @@ fn lit(
             diffuse_share = share;
         }
         if is_cut_off || max(max(share.x, share.y), share.z) > 0.0 {
-            // As direct light needs it, and as multiple scattering does.
-            var visible = vec2<f32>(-1.0);
-            if cached {
-                visible = known_shadow(known, random);
-                if COUNTERS && visible.x >= 0.0 {
-                    count_cached_rays += 1u;
-                }
-            }
-            if visible.x < 0.0 {
-                visible = vec2<f32>(visibility(at, world_from_sheet(rotation, towards_light), bounce, random));
-                if cached {
-                    learn_shadow(known, visible.x);
-                }
-            }
+            let direction = world_from_sheet(rotation, towards_light);
+            let visible = shadow(at, direction, bounce, cached, known, random);
             sum += share * visible.x;
             if is_cut_off {
                 sum += diffuse_share * multiple_scattering(at, towards_light, visible.y);
@@ -194,7 +208,7 @@ fn trace_path(camera_ray: Ray, film: vec4<f32>, seed: u32, sample: u32) -> Path 
                 break;
             }
         }
-        if bounce >= 3u {
+        if bounce >= ROULETTE_FROM {
             let survival = min(max(max(throughput.x, throughput.y), throughput.z), 1.0);
             if onward.z >= survival {
                 break;

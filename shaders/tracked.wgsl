@@ -14,9 +14,7 @@ struct Overlap {
     at: vec3<f32>,
 }
 
-// Where loops overlap yarns displace each other: the sum of ρ is held to this.
-const CROWDED: f32 = 1.5;
-// A mean free path below 1/256 mm cannot be told from a surface; denser yarn collides at once where it begins, and
+// A mean free path below 1/256 mm is no different from a surface; denser yarn collides at once where it begins, and
 // tracking through the empty parts beside it stays affordable.
 const MAX_MAJORANT: f32 = 256.0;
 // Collisions, real or null, of one ray. At MAX_MAJORANT this is a path of 250 mm through blocks that list loops.
@@ -79,13 +77,13 @@ fn overlap_at(block: Block, around: vec4<u32>, point: vec3<f32>, random: ptr<fun
             result.at = holder.at;
         }
     }
-    result.extinction = weights * min(1.0, CROWDED / max(rho_sum, 1.0e-6));
+    result.extinction = weights * min(1.0, MOST_OVERLAP / max(rho_sum, 1.0e-6));
     return result;
 }
 
 // No extinction where a ray may be in so many loops is above this.
 fn majorant(count: u32) -> f32 {
-    return min(scene.max_density * min(f32(count), CROWDED), MAX_MAJORANT);
+    return min(scene.max_density * min(f32(count), MOST_OVERLAP), MAX_MAJORANT);
 }
 
 // A ray on its way from one tentative collision to the next.

@@ -90,7 +90,8 @@ fn fibre_tangent(shape: Patch, normal: vec3<f32>, yarn: Yarn, at: vec3<f32>) -> 
     let layer = layer_at(at.z);
     let a = filter_voxels(tangents_a, yarn.first_slice, at.x, at.y, layer);
     let b = filter_voxels(tangents_b, yarn.first_slice, at.x, at.y, layer);
-    // Columns (xx xy xz), (xy yy yz), (xz yz zz). Squaring eight times lets the largest eigenvalue win by its 256th power.
+    // Columns (xx xy xz), (xy yy yz), (xz yz zz). Squaring eight times lets the largest eigenvalue win by its 256th
+    // power.
     var tensor = mat3x3<f32>(
         vec3<f32>(a.x, a.w, b.x),
         vec3<f32>(a.w, a.y, b.y),

@@ -1,5 +1,6 @@
-// Walking the grid of blocks, or the cells of the flat sheet, along a ray (Amanatides and Woo 1987), in coordinates that do not grow with the sheet.
-// A boundary's distance is computed from whole cells, never summed up, so it is the same from both of its sides.
+// Walking the grid of blocks, or the cells of the flat sheet, along a ray (Amanatides and Woo 1987), in coordinates
+// that do not grow with the sheet. A boundary's distance is computed from whole cells, never summed up, so it is the
+// same from both of its sides.
 
 // A ray from a point given relative to the centre (x, y) of a cell and to the sheet (z), mm.
 struct Ray {
@@ -41,7 +42,7 @@ fn bounded_inverse(direction: vec3<f32>) -> vec3<f32> {
     return 1.0 / safe;
 }
 
-// The ray from a point relative to `cell`, told relative to the cell that the point is in.
+// The ray from a point relative to `cell`, given relative to the cell that the point is in.
 fn ray_from(cell: vec2<i32>, point: vec3<f32>, direction: vec3<f32>) -> Ray {
     let moved = floor(point.xy / scene.pitch + 0.5);
     return Ray(
@@ -65,8 +66,8 @@ fn walk_boundaries(ray: Ray, walk: Walk) -> vec2<f32> {
     return select(t, vec2<f32>(FAR), abs(ray.direction.xy) < vec2<f32>(PARALLEL));
 }
 
-// Clips the ray to distances below `t_to`, to places from `first` to before `end`, and to what is between two heights, and
-// finds its first place.
+// Clips the ray to distances below `t_to`, to places from `first` to before `end`, and to what is between two heights,
+// and finds its first place.
 fn walk_over(ray: Ray, heights: vec2<f32>, t_to: f32, first: vec2<i32>, end: vec2<i32>, shift: u32) -> Walk {
     let inverse = bounded_inverse(ray.direction);
     let first_edge = vec2<f32>((first << vec2<u32>(shift)) - ray.cell) - 0.5;

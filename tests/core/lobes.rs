@@ -6,7 +6,8 @@ use std::f64::consts::PI;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use renderer_core::design::{Phase, SkeletonDesign, SkeletonShading, Weave};
-use renderer_core::gpu::layout::{self, HIGHLIGHT_INTERVALS, SceneConstants};
+use renderer_core::gpu::constants::{self, HIGHLIGHT_INTERVALS};
+use renderer_core::gpu::layout::SceneConstants;
 use renderer_core::optics::{Lobe, Optics};
 use renderer_core::sampling::Pcg;
 use renderer_core::scene::{Material, PileOptics, Skeleton};
@@ -158,7 +159,7 @@ impl Case {
 
     fn ask(&self, questions: &[Question]) -> Vec<LobeAnswer> {
         let mut scene = SceneConstants::zeroed();
-        let (mut phase, mut shading) = (layout::PHASE_ISOTROPIC, layout::SHADING_LAMBERT);
+        let (mut phase, mut shading) = (constants::PHASE_ISOTROPIC, constants::SHADING_LAMBERT);
         let (mut what, mut surfaceness, mut sharpness) = (GROUND, 0.0, 1.0);
         match *self {
             Self::Pile {
@@ -169,10 +170,10 @@ impl Case {
                 slope,
             } => {
                 phase = match own {
-                    Phase::Isotropic => layout::PHASE_ISOTROPIC,
-                    Phase::FrameLambert => layout::PHASE_FRAME_LAMBERT,
-                    Phase::GradientLambert => layout::PHASE_GRADIENT_LAMBERT,
-                    Phase::KajiyaKay => layout::PHASE_KAJIYA_KAY,
+                    Phase::Isotropic => constants::PHASE_ISOTROPIC,
+                    Phase::FrameLambert => constants::PHASE_FRAME_LAMBERT,
+                    Phase::GradientLambert => constants::PHASE_GRADIENT_LAMBERT,
+                    Phase::KajiyaKay => constants::PHASE_KAJIYA_KAY,
                 };
                 let material = &mut scene.materials[0];
                 (material.transmission, material.specular) = (transmission, specular);
@@ -187,9 +188,9 @@ impl Case {
                 fibre_spacing,
             } => {
                 shading = match own {
-                    SkeletonShading::Lambert => layout::SHADING_LAMBERT,
-                    SkeletonShading::Phong => layout::SHADING_PHONG,
-                    SkeletonShading::PoulinFournier => layout::SHADING_POULIN_FOURNIER,
+                    SkeletonShading::Lambert => constants::SHADING_LAMBERT,
+                    SkeletonShading::Phong => constants::SHADING_PHONG,
+                    SkeletonShading::PoulinFournier => constants::SHADING_POULIN_FOURNIER,
                 };
                 (scene.skeleton_specular, scene.skeleton_exponent) = (specular, exponent);
                 scene.fibre_spacing = 2.0 * fibre_spacing;

@@ -1,7 +1,7 @@
 //! Runs an entry point of probe.wgsl, which stands behind the whole tracing program, on the tests' device.
 
 use bytemuck::Pod;
-use renderer_core::gpu::layout::WORKGROUP;
+use renderer_core::gpu::constants::WORKGROUP;
 use renderer_core::gpu::shaders::{Composed, Part, TRACE};
 
 use super::device::context;

@@ -22,7 +22,7 @@ use crate::optics::Vertex;
 use crate::render::Counters;
 use crate::transport::Start;
 
-/// Optical depth of a shadow ray from which on it counts as dark: a transmittance of 10⁻⁴, invisible in 8 bits.
+/// Optical depth of a shadow ray from which on it counts as dark: −ln of [`DARK`](crate::optics::limits::DARK).
 const DARK_DEPTH: f32 = 9.210_34;
 
 impl Tracer {

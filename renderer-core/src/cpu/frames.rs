@@ -8,10 +8,7 @@ use super::batch::{Batch, Patches};
 use super::block_ray::BlockRay;
 use super::cloth::Cloth;
 use super::lanes::{LANES, Lanes, Vectors};
-
-/// By how much frames are taken to be thicker where the part of a ray is looked for that may be in them: rounding of
-/// the bent surfaces' coefficients is below a ten-thousandth of usual thicknesses.
-const WIDENED: f32 = 1.001;
+use crate::geometry::tolerances::WIDENED;
 
 /// Eight frames, each with the part of the ray that may be in it; t in mm from the ray's point.
 #[derive(Debug, Clone, Copy)]

@@ -15,16 +15,14 @@ use super::patch::Span;
 use super::walk::Grid;
 use crate::design::SkeletonHeight;
 use crate::geometry::Ray;
+use crate::geometry::tolerances::{self, PAPER_STEPS};
 use crate::scene::{SheetGeometry, Skeleton};
 
+const ROOMY: f32 = tolerances::ROOMY as f32;
 /// Width to which a crossing is refined, mm: what f32 resolves within a cell.
 const PRECISION_MM: f32 = 2e-7;
-/// Steps over a strip of the paper's height field.
-const PAPER_STEPS: u32 = 16;
 /// Steps towards a tube; five are common. A ray that needs more runs along it and has not come to it.
 const MOST_STEPS: u32 = 64;
-/// Bounds of a tube are this much too wide: where they only just touch it, rounding would put their edge inside.
-const ROOMY: f32 = 1.001;
 
 /// Where a ray meets the ground weave.
 #[derive(Debug, Clone, Copy)]

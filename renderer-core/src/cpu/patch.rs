@@ -9,6 +9,8 @@
 
 use glam::Vec3A;
 
+use crate::geometry::tolerances::{FLATTEST, SHORT, SMALLEST_AREA};
+
 /// A patch, `middle` seen from the ray's point.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Patch {
@@ -63,15 +65,6 @@ pub(super) struct Slopes {
     /// (A·n̂)·u′·v′: what bends w along the ray, times the thickness, 1/mm.
     pub bend: f32,
 }
-
-/// Where a line of constant p, seen along the ray, is so much shorter than the patch (squared) that p needs another
-/// step: in twisted patches, whose lines differ in direction, and in pointed ones.
-const SHORT: f32 = 0.01;
-/// Projected areas are positive, since compile makes every loop convex, and above this (mm²), since it drops the
-/// degenerate; below, products of slopes would not be finite.
-const SMALLEST_AREA: f32 = 1e-9;
-/// Smallest |w′|, 1/mm: keeps slabs finite for a ray that runs along the patch; u and v end it long before.
-const FLATTEST: f32 = 1e-6;
 
 /// The patch as seen along a ray: p and r in [−½, ½], r the one that is eliminated,
 /// P = `middle` + p·`along_p` + r·`along_r` + p·r·`twist`, `middle` from the ray's point nearest to it.
@@ -211,7 +204,7 @@ impl Patch {
         Slopes {
             u,
             v,
-            w: w.abs().max(FLATTEST).copysign(w),
+            w: w.abs().max(FLATTEST as f32).copysign(w),
             bend: self.twist.dot(normal) * u * v,
         }
     }

@@ -18,12 +18,12 @@ use super::ground::GroundHit;
 use super::lanes::{LANES, Lanes};
 use super::{Scratch, Tracer};
 use crate::geometry::Ray;
-use crate::optics::Vertex;
+use crate::optics::{Vertex, limits};
 use crate::sampling::Pcg;
 use crate::transport::Start;
 
-/// How many times denser than one solid yarn overlapping yarns may be.
-const MOST_OVERLAP: f32 = 1.5;
+const MOST_OVERLAP: f32 = limits::MOST_OVERLAP as f32;
+
 /// Transmittance of a shadow ray below which every second one ends and the other counts twice.
 const ROULETTE_BELOW: f32 = 1.0 / 16.0;
 

@@ -10,6 +10,7 @@ mod frame_line;
 mod interval;
 mod main_axis;
 mod patch;
+pub mod tolerances;
 
 pub use basis::orthonormal_basis;
 pub use camera::{Camera, Projection};

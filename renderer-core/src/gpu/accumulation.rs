@@ -11,9 +11,8 @@ use crate::render::{
 };
 
 use super::GpuContext;
-use super::layout::{
-    ALL_BACKGROUND, COUNTERS_IN_ALL, RayTile, SUMS, SUMS_WITH_AOV, Slice, TILE, TILE_PIXELS,
-};
+use super::constants::{ALL_BACKGROUND, COUNTERS_IN_ALL, SUMS, SUMS_WITH_AOV, TILE, TILE_PIXELS};
+use super::layout::{RayTile, Slice};
 use super::shadow_memory::ShadowMemory;
 
 /// Bytes of all counters.

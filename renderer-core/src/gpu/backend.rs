@@ -14,7 +14,7 @@ use crate::render::{
 use super::GpuContext;
 use super::accumulation::Accumulation;
 use super::bindings::{self, entry, record_dispatch, slice_buffer};
-use super::layout::{TONE_FILMIC, TONE_NONE};
+use super::constants::{TONE_FILMIC, TONE_NONE};
 use super::pipeline_key::PipelineKey;
 use super::pipelines::Pipelines;
 use super::readback;

@@ -24,7 +24,7 @@ pub struct GpuContext {
 }
 
 /// Storage buffers that the tracing pass reads and writes.
-const STORAGE_BUFFERS: u32 = 8;
+pub const STORAGE_BUFFERS: u32 = 8;
 
 impl GpuContext {
     /// A device of the best adapter there is: a discrete card before an integrated one before a software one.

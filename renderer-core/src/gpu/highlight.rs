@@ -6,7 +6,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use super::layout::HIGHLIGHT_INTERVALS;
+use super::constants::HIGHLIGHT_INTERVALS;
 
 /// Steps of the integral from one entry to the next; Simpson's rule with it errs by less than 10⁻⁹ of the sharpest
 /// highlight's (p = 500, 0.1 rad wide: 130 steps).

@@ -1,11 +1,10 @@
-//! Host mirrors of the structs and constants that WGSL shares with the host: the only place where both are written.
+//! Host mirrors of the structs that WGSL shares with the host; constants are in [`super::constants`].
 //!
-//! The test `layout` parses the composed WGSL and compares name, offset and size of every member, and the value of
-//! every constant, with [`STRUCTS`] and [`CONSTANTS`].
+//! The test `layout` parses the composed WGSL and compares name, offset and size of every member with [`STRUCTS`].
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::design::Phase;
+use super::constants::{MAX_AREAS, MAX_MATERIALS, MAX_SUNS};
 
 /// A struct of the host as WGSL should see it: name, size, and (name, offset, size) of each member.
 #[derive(Debug)]
@@ -36,134 +35,6 @@ macro_rules! mirrors {
             },
         )+];
     };
-}
-
-macro_rules! constants {
-    ($( $(#[$meta:meta])* $name:ident = $value:expr; )+) => {
-        $( $(#[$meta])* pub const $name: u32 = $value; )+
-
-        /// Every mirrored constant: name in WGSL and value.
-        pub const CONSTANTS: &[(&str, u32)] = &[$( (stringify!($name), $name), )+];
-    };
-}
-
-constants! {
-    /// METHOD for `single`.
-    METHOD_SINGLE = 0;
-    /// METHOD for `layered`.
-    METHOD_LAYERED = 1;
-    /// METHOD for `tracked`.
-    METHOD_TRACKED = 2;
-    /// METHOD for `exact`.
-    METHOD_EXACT = 3;
-    /// PHASE for `isotropic`.
-    PHASE_ISOTROPIC = 0;
-    /// PHASE for `frame_lambert`.
-    PHASE_FRAME_LAMBERT = 1;
-    /// PHASE for `kajiya_kay`.
-    PHASE_KAJIYA_KAY = 2;
-    /// PHASE for `gradient_lambert`.
-    PHASE_GRADIENT_LAMBERT = 3;
-    /// PHASE where not all materials scatter alike.
-    PHASE_OF_MATERIAL = 4;
-    /// SKELETON for none.
-    SKELETON_NONE = 0;
-    /// SKELETON for tubes.
-    SKELETON_WINDING = 1;
-    /// SKELETON for the paper's product.
-    SKELETON_PAPER = 2;
-    /// SKY for one colour.
-    SKY_UNIFORM = 0;
-    /// SKY for a gradient.
-    SKY_GRADIENT = 1;
-    /// SKY for a picture.
-    SKY_IMAGE = 2;
-    /// Columns of sums beside the picture.
-    SKY_SUMS = 2;
-    /// SHADING for `lambert`.
-    SHADING_LAMBERT = 0;
-    /// SHADING for `phong`.
-    SHADING_PHONG = 1;
-    /// SHADING for `poulin_fournier`.
-    SHADING_POULIN_FOURNIER = 2;
-    /// Side of a tile, pixels.
-    TILE = 16;
-    /// Pixels of a tile.
-    TILE_PIXELS = 256;
-    /// Threads of a workgroup.
-    WORKGROUP = 64;
-    /// Most suns.
-    MAX_SUNS = 8;
-    /// Most area lights.
-    MAX_AREAS = 4;
-    /// Most materials.
-    MAX_MATERIALS = 130;
-    /// Intervals of the table of N_p.
-    HIGHLIGHT_INTERVALS = 256;
-    /// Scrambles of the random sequence.
-    SCRAMBLES = crate::sampling::SCRAMBLES;
-    /// Samples of one scramble before the next one's turn.
-    RUN = crate::sampling::RUN;
-    /// Index of the counter of rays.
-    COUNT_RAYS = 0;
-    /// Index of the counter of shadow rays.
-    COUNT_SHADOW_RAYS = 1;
-    /// Index of the counter of cells.
-    COUNT_CELLS = 2;
-    /// Index of the counter of patch tests.
-    COUNT_PATCH_TESTS = 3;
-    /// Index of the counter of volume samples.
-    COUNT_VOLUME_SAMPLES = 4;
-    /// Index of the counter of contributing hits.
-    COUNT_CONTRIBUTING_HITS = 5;
-    /// Index of the counter of shadow rays that ended in the dark.
-    COUNT_ENDED_RAYS = 6;
-    /// Index of the counter of rays for which no ground yarn was looked for.
-    COUNT_HIDDEN_RAYS = 7;
-    /// Index of the counter of shadow rays that the cache saved.
-    COUNT_CACHED_RAYS = 8;
-    /// Number of counters.
-    COUNTERS_IN_ALL = 9;
-    /// Word of the counters' buffer at which shadows begin.
-    SHADOWS_FROM = 32;
-    /// Rays that make a mean of shadows.
-    ENOUGH_RAYS = crate::render::shadow_cache::ENOUGH_RAYS;
-    /// Rays that make a final one.
-    ALL_RAYS = crate::render::shadow_cache::ALL_RAYS;
-    /// Bit of a stitch word: warp over at the crossing itself.
-    STITCH_HERE = 0;
-    /// Bit of a stitch word: warp over at the next crossing along x.
-    STITCH_RIGHT = 1;
-    /// Bit of a stitch word: warp over at the crossing before along x.
-    STITCH_LEFT = 2;
-    /// Bit of a stitch word: warp over at the next crossing along y.
-    STITCH_FAR = 3;
-    /// Bit of a stitch word: warp over at the crossing before along y.
-    STITCH_NEAR = 4;
-    /// Texels of a row of a bent cloth's mesh.
-    FORM_ROW = 1024;
-    /// Vectors a pixel in the accumulation.
-    SUMS = 2;
-    /// How many there are with AOV.
-    SUMS_WITH_AOV = 4;
-    /// End of a tile that shows background alone.
-    ALL_BACKGROUND = u32::MAX;
-    /// Coarsest lattice of the first sample, pixels.
-    COARSEST = 16;
-    /// Tone map: hard clip.
-    TONE_NONE = 0;
-    /// Tone map: filmic.
-    TONE_FILMIC = 1;
-}
-
-/// How shaders number phase functions.
-pub(super) fn phase(phase: Phase) -> u32 {
-    match phase {
-        Phase::Isotropic => PHASE_ISOTROPIC,
-        Phase::FrameLambert => PHASE_FRAME_LAMBERT,
-        Phase::KajiyaKay => PHASE_KAJIYA_KAY,
-        Phase::GradientLambert => PHASE_GRADIENT_LAMBERT,
-    }
 }
 
 mirrors! {

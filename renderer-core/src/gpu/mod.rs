@@ -6,7 +6,8 @@
 //!
 //! - [`adapters`]: what this machine has. [`context`]: device and queue, own or another's. [`DeviceWatch`]: whether it
 //!   is lost.
-//! - [`layout`]: the only mirrors of WGSL structs. `bindings`: what programs are bound to.
+//! - [`layout`]: the only mirrors of WGSL structs. [`constants`]: numbers that both sides share. `bindings`: what
+//!   programs are bound to.
 //! - [`shaders`]: the files of shaders/ put together. `program`: one of them on the device. [`pipeline_key`]: what of
 //!   the tracing program a scene uses. `pipelines`: all programs; `pipeline_compiler`: the thread that compiles tracing
 //!   pipelines; `pipeline_cache`: compiled ones that outlive the program.
@@ -21,6 +22,7 @@ mod accumulation;
 mod adapters;
 pub mod backend;
 mod bindings;
+pub mod constants;
 pub mod context;
 mod highlight;
 pub mod layout;

@@ -16,7 +16,8 @@ use crate::render::RenderError;
 
 use super::GpuContext;
 use super::bindings::{self, entry};
-use super::layout::{COUNTERS_IN_ALL, RayTile, SUMS_WITH_AOV, Slice};
+use super::constants::{COUNTERS_IN_ALL, SUMS_WITH_AOV};
+use super::layout::{RayTile, Slice};
 use super::pipeline_key::PipelineKey;
 use super::program::Program;
 

@@ -5,7 +5,7 @@ use crate::render::{Optimisation, Settings};
 use crate::sampling::Sampler;
 use crate::scene::{Scene, Sky};
 
-use super::layout;
+use super::constants;
 
 /// The features that a scene and its settings use; the rest costs nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -77,12 +77,12 @@ impl PipelineKey {
             skeleton: scene.skeleton.visible.then_some(scene.skeleton.height),
             shading: scene.skeleton.shading,
             suns: if every {
-                layout::MAX_SUNS
+                constants::MAX_SUNS
             } else {
                 scene.lights.suns.len() as u32
             },
             areas: if every {
-                layout::MAX_AREAS
+                constants::MAX_AREAS
             } else {
                 scene.lights.areas.len() as u32
             },
@@ -90,9 +90,9 @@ impl PipelineKey {
             owen: settings.sampler == Sampler::Owen,
             environment,
             sky: match scene.lights.sky {
-                Sky::Gradient { .. } if environment => layout::SKY_GRADIENT,
-                Sky::Image { .. } if environment => layout::SKY_IMAGE,
-                _ => layout::SKY_UNIFORM,
+                Sky::Gradient { .. } if environment => constants::SKY_GRADIENT,
+                Sky::Image { .. } if environment => constants::SKY_IMAGE,
+                _ => constants::SKY_UNIFORM,
             },
             drawn_sky: environment && scene.lights.sky.drawn().is_some(),
             cached_shadows: false,
@@ -109,22 +109,24 @@ impl PipelineKey {
     /// Names and values of the `override` constants of shaders/settings.wgsl.
     pub fn constants(&self) -> Vec<(&'static str, f64)> {
         let method = match self.method {
-            Method::Single => layout::METHOD_SINGLE,
-            Method::Layered => layout::METHOD_LAYERED,
-            Method::Tracked => layout::METHOD_TRACKED,
+            Method::Single => constants::METHOD_SINGLE,
+            Method::Layered => constants::METHOD_LAYERED,
+            Method::Tracked => constants::METHOD_TRACKED,
             // Of these two the backend refuses `six-face`.
-            Method::Exact | Method::SixFace => layout::METHOD_EXACT,
+            Method::Exact | Method::SixFace => constants::METHOD_EXACT,
         };
-        let phase = self.phase.map_or(layout::PHASE_OF_MATERIAL, layout::phase);
+        let phase = self
+            .phase
+            .map_or(constants::PHASE_OF_MATERIAL, constants::phase);
         let skeleton = match self.skeleton {
-            None => layout::SKELETON_NONE,
-            Some(SkeletonHeight::Winding) => layout::SKELETON_WINDING,
-            Some(SkeletonHeight::Paper) => layout::SKELETON_PAPER,
+            None => constants::SKELETON_NONE,
+            Some(SkeletonHeight::Winding) => constants::SKELETON_WINDING,
+            Some(SkeletonHeight::Paper) => constants::SKELETON_PAPER,
         };
         let shading = match self.shading {
-            SkeletonShading::Lambert => layout::SHADING_LAMBERT,
-            SkeletonShading::Phong => layout::SHADING_PHONG,
-            SkeletonShading::PoulinFournier => layout::SHADING_POULIN_FOURNIER,
+            SkeletonShading::Lambert => constants::SHADING_LAMBERT,
+            SkeletonShading::Phong => constants::SHADING_PHONG,
+            SkeletonShading::PoulinFournier => constants::SHADING_POULIN_FOURNIER,
         };
         let flag = |name, on: bool| (name, f64::from(u8::from(on)));
         vec![

@@ -9,7 +9,8 @@ use crate::render::{Counters, RenderError, RenderRequest};
 use super::GpuContext;
 use super::accumulation::{Accumulation, COUNTER_BYTES};
 use super::bindings::{self, entry, record_dispatch, slice_buffer};
-use super::layout::{self, COUNTERS_IN_ALL, Slice, TILE, TILE_PIXELS};
+use super::constants::{self, COUNTERS_IN_ALL, TILE, TILE_PIXELS};
+use super::layout::Slice;
 use super::pipelines::Pipelines;
 use super::schedule::Drawn;
 
@@ -107,7 +108,7 @@ pub fn picture(
                     entry(bindings::TILE_ENDS, &accumulation.tile_ends),
                     entry(bindings::LINEAR, &output),
                 ];
-                let workgroups = pixels.div_ceil(layout::WORKGROUP.into()) as u32;
+                let workgroups = pixels.div_ceil(constants::WORKGROUP.into()) as u32;
                 record_dispatch(context, &mut encoder, made, &entries, workgroups);
                 read(context, encoder, &output, output.size())
             })??;
@@ -204,15 +205,15 @@ fn counters_in(context: &GpuContext, totals: &wgpu::Buffer) -> Result<Counters, 
         u64::from(words[at]) | u64::from(words[at + 1]) << 32
     };
     Ok(Counters {
-        rays: total(layout::COUNT_RAYS),
-        shadow_rays: total(layout::COUNT_SHADOW_RAYS),
-        cells: total(layout::COUNT_CELLS),
-        patch_tests: total(layout::COUNT_PATCH_TESTS),
-        volume_samples: total(layout::COUNT_VOLUME_SAMPLES),
-        contributing_hits: total(layout::COUNT_CONTRIBUTING_HITS),
-        ended_rays: total(layout::COUNT_ENDED_RAYS),
-        cached_rays: total(layout::COUNT_CACHED_RAYS),
-        hidden_rays: total(layout::COUNT_HIDDEN_RAYS),
+        rays: total(constants::COUNT_RAYS),
+        shadow_rays: total(constants::COUNT_SHADOW_RAYS),
+        cells: total(constants::COUNT_CELLS),
+        patch_tests: total(constants::COUNT_PATCH_TESTS),
+        volume_samples: total(constants::COUNT_VOLUME_SAMPLES),
+        contributing_hits: total(constants::COUNT_CONTRIBUTING_HITS),
+        ended_rays: total(constants::COUNT_ENDED_RAYS),
+        cached_rays: total(constants::COUNT_CACHED_RAYS),
+        hidden_rays: total(constants::COUNT_HIDDEN_RAYS),
         ..Counters::default()
     })
 }

@@ -6,9 +6,8 @@ use crate::scene::{Scene, Skeleton, Sky};
 
 use super::GpuContext;
 use super::bindings::{other, storage, table, uniform, volume};
-use super::layout::{
-    STITCH_FAR, STITCH_HERE, STITCH_LEFT, STITCH_NEAR, STITCH_RIGHT, SceneConstants,
-};
+use super::constants::{STITCH_FAR, STITCH_HERE, STITCH_LEFT, STITCH_NEAR, STITCH_RIGHT};
+use super::layout::SceneConstants;
 use super::scene_constants::scene_constants;
 use super::scene_textures::{
     form_texture, highlight_texture, sky_texture, tangent_texture, voxel_texture,

@@ -4,9 +4,8 @@ use bytemuck::Zeroable;
 
 use crate::scene::{Scene, Sky};
 
-use super::layout::{
-    self, AreaLight, MAX_AREAS, MAX_MATERIALS, MAX_SUNS, Material, SceneConstants, Sun,
-};
+use super::constants::{self, MAX_AREAS, MAX_MATERIALS, MAX_SUNS};
+use super::layout::{AreaLight, Material, SceneConstants, Sun};
 use super::scene_textures::exponents;
 
 fn rgb(colour: [f64; 3]) -> [f32; 4] {
@@ -55,7 +54,7 @@ pub fn scene_constants(scene: &Scene) -> SceneConstants {
             specular: material.specular,
             exponent: material.exponent,
             highlight_row: row.unwrap_or(0) as u32,
-            phase: layout::phase(material.phase),
+            phase: constants::phase(material.phase),
             unused: 0,
         };
     }

@@ -4,7 +4,7 @@ use crate::design::Phase;
 use crate::render::RenderError;
 use crate::scene::{FormMesh, PileOptics, Sky, Volumes};
 
-use super::layout::{FORM_ROW, HIGHLIGHT_INTERVALS, SKY_SUMS};
+use super::constants::{FORM_ROW, HIGHLIGHT_INTERVALS, SKY_SUMS};
 use super::{GpuContext, highlight};
 
 /// Exponents whose table of N_p the pile needs, each once: the table's rows. Phases without a highlight never read it.

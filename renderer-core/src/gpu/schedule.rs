@@ -8,7 +8,7 @@
 use std::ops::Range;
 use std::time::Duration;
 
-use super::layout::{COARSEST, TILE, TILE_PIXELS, WORKGROUP};
+use super::constants::{COARSEST, TILE, TILE_PIXELS, WORKGROUP};
 
 /// Most workgroups in one dimension of a dispatch, in WebGPU.
 const MAX_WORKGROUPS: u32 = 65_535;

@@ -1,5 +1,7 @@
-//! The files of shaders/, put together in order; errors are given by file and line.
+//! The files of shaders/, put together in order behind the constants that they share with the host; errors are given by
+//! file and line.
 
+use super::constants::prelude;
 use crate::render::RenderError;
 
 /// A shader file: name and text.
@@ -34,11 +36,11 @@ pub struct Composed {
 }
 
 impl Composed {
-    /// Puts `parts` one behind the other.
+    /// Puts the shared constants and `parts` one behind the other.
     pub fn new(parts: &[Part]) -> Self {
-        let mut text = String::new();
-        let mut starts = Vec::with_capacity(parts.len());
-        let mut line = 0;
+        let mut text = prelude();
+        let mut starts = vec![("generated constants", 0)];
+        let mut line = text.lines().count();
         for &(name, part) in parts {
             starts.push((name, line));
             line += part.lines().count();

@@ -6,7 +6,8 @@ use crate::render::{RenderError, RenderRequest};
 
 use super::GpuContext;
 use super::bindings::{self, entry, record_dispatch};
-use super::layout::{SHADOWS_FROM, Slice, WORKGROUP};
+use super::constants::{SHADOWS_FROM, WORKGROUP};
+use super::layout::Slice;
 use super::pipelines::Pipelines;
 
 /// Most workgroups in one dimension of a dispatch, in WebGPU.

@@ -25,7 +25,7 @@ impl From<&View> for Display {
 
 /// Linear value above which `filmic` departs from the identity: dark and middle tones, where a chart's colours live,
 /// look the same under both tone maps.
-const SHOULDER: f64 = 0.6;
+pub(crate) const SHOULDER: f64 = 0.6;
 
 impl Display {
     /// sRGB-encoded colour in [0, 1] of linear light; NaN shows as black.

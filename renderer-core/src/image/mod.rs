@@ -1,7 +1,7 @@
 //! Linear pictures, their display, their files and their differences.
 
 mod chart_png;
-mod display;
+pub(crate) mod display;
 mod files;
 pub mod metrics;
 mod rows;

@@ -4,10 +4,11 @@
 //! and quadrature.
 
 mod light;
-mod multiple_scattering;
+pub mod limits;
+pub(crate) mod multiple_scattering;
 mod scatter;
 mod sky;
-mod surface;
+pub(crate) mod surface;
 
 pub use light::Light;
 pub use multiple_scattering::{Visibility, multiple_scattering};

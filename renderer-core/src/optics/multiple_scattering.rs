@@ -18,17 +18,17 @@
 use glam::DVec3;
 
 /// g, r and β of each mode.
-const MODES: [[f64; 3]; 3] = [
+pub(crate) const MODES: [[f64; 3]; 3] = [
     [0.0606, 0.5, 0.6],
     [0.0288, 0.88, 0.35],
     [0.00628, 0.975, 0.25],
 ];
 
 /// ℓ: the share of that light that depth does not matter to.
-const LEVEL: f64 = 0.9;
+pub(crate) const LEVEL: f64 = 0.9;
 
 /// Least visibility: of what is blocked wholly, too.
-const FLOOR: f64 = 1e-4;
+pub(crate) const FLOOR: f64 = 1e-4;
 
 /// The exponent with which [`Visibility`] takes means: the middle mode's.
 const MIDDLE: f64 = MODES[1][2];

@@ -31,21 +31,29 @@ use crate::geometry::Interval;
 use crate::sampling::directions;
 use crate::scene::Skeleton;
 
-/// Points and weights of the Gauss–Legendre rule over [−1, 1]; those of negative points are the same.
-const NODES: [(f64, f64); 4] = [
-    (0.183_434_642_495_649_8, 0.362_683_783_378_362),
-    (0.525_532_409_916_329, 0.313_706_645_877_887_3),
-    (0.796_666_477_413_626_7, 0.222_381_034_453_374_5),
-    (0.960_289_856_497_536_2, 0.101_228_536_290_376_3),
+/// Positive points of the Gauss–Legendre rule with eight points over [−1, 1].
+pub(crate) const NODES: [f64; 4] = [
+    0.183_434_642_495_649_8,
+    0.525_532_409_916_329,
+    0.796_666_477_413_626_7,
+    0.960_289_856_497_536_2,
+];
+
+/// Their weights, and those of the negative points.
+pub(crate) const NODE_WEIGHTS: [f64; 4] = [
+    0.362_683_783_378_362,
+    0.313_706_645_877_887_3,
+    0.222_381_034_453_374_5,
+    0.101_228_536_290_376_3,
 ];
 
 /// How far the highlight's integral reaches, in standard deviations of the bell that cos^p is about its peak: what is left
 /// out is below 0.1 % of the whole.
-const REACH: f64 = 3.5;
+pub(crate) const REACH: f64 = 3.5;
 
 /// Parts of [0, 1) that tell a fibre's facet from each other: the upper twelve of a random number's bits give a direction,
 /// the lower twelve the facet.
-const FACETS: f64 = 4096.0;
+pub(crate) const FACETS: f64 = 4096.0;
 
 /// How ground yarns scatter.
 #[derive(Debug, Clone, Copy)]
@@ -172,7 +180,7 @@ impl SurfaceOptics {
         let reach = REACH * deviation;
         let part = walls.intersect(Interval::new(0.5 * sum - reach, 0.5 * sum + reach));
         if !part.is_empty() {
-            for (node, weight) in NODES {
+            for (node, weight) in NODES.into_iter().zip(NODE_WEIGHTS) {
                 for side in [-1.0, 1.0] {
                     let phi = part.middle() + 0.5 * part.length() * side * node;
                     highlight += 0.5

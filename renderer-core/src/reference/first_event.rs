@@ -8,10 +8,8 @@ use super::{LoopPlace, Scratch, SkeletonHit, Span, Tracer};
 use crate::design::Method;
 use crate::geometry::{Interval, Ray};
 use crate::optics::Vertex;
+use crate::optics::limits::DARK;
 use crate::render::Counters;
-
-/// Transmittance of a shadow ray below which it counts as dark: invisible in 8 bits, several loops earlier than 0.
-const DARK: f64 = 1e-4;
 
 /// Something that takes light from a ray.
 #[derive(Debug, Clone, Copy)]

@@ -6,11 +6,9 @@
 
 use super::volume::LoopVolume;
 use super::{LoopPlace, Tracer};
+use crate::geometry::tolerances::FLATTEST;
 use crate::geometry::{Interval, PatchLine, Ray, Root};
 use crate::render::Counters;
-
-/// Smallest |w′|, 1/mm; see `single`.
-const FLATTEST: f64 = 1e-6;
 
 /// A ray's passage through one layer.
 #[derive(Debug, Clone, Copy)]

@@ -14,9 +14,7 @@ use super::{LoopPlace, Scratch, SkeletonHit, Span, Tracer};
 use crate::design::Method;
 use crate::geometry::{Interval, Ray};
 use crate::optics::Vertex;
-
-/// Transmittance of a shadow ray below which it counts as dark, as for `single` and `layered`.
-const DARK: f64 = 1e-4;
+use crate::optics::limits::DARK;
 
 /// A part of a ray in a loop.
 #[derive(Debug, Clone, Copy)]

@@ -11,11 +11,9 @@
 
 use super::volume::{LoopVolume, VolumePoint};
 use super::{LoopPlace, Tracer};
+use crate::geometry::tolerances::FLATTEST;
 use crate::geometry::{Interval, LoopFrame, Ray, Root, Slopes};
 use crate::render::Counters;
-
-/// Smallest |w′|, 1/mm: keeps slabs finite for a ray that runs along the patch; u and v end it long before.
-const FLATTEST: f64 = 1e-6;
 
 /// A ray's passage through a loop, as the crossing of the middle patch describes it.
 #[derive(Debug, Clone, Copy)]

@@ -17,17 +17,12 @@ use glam::{DVec2, DVec3};
 
 use super::{Grid, Span};
 use crate::design::SkeletonHeight;
+use crate::geometry::tolerances::{PAPER_STEPS, ROOMY, SMALLEST_STEP};
 use crate::geometry::{Interval, Ray};
 use crate::scene::{SheetGeometry, Skeleton};
 
 /// Width to which a crossing is refined, mm: far below a fibre, far above rounding.
 const PRECISION_MM: f64 = 1e-9;
-/// Steps over a strip of the paper's height field.
-const PAPER_STEPS: u32 = 16;
-/// Smallest step towards a tube, in its radii: a chord shorter than this may be missed.
-const SMALLEST_STEP: f64 = 1.0 / 64.0;
-/// Bounds of a tube are this much too wide: where they only just touch it, rounding would put their edge inside.
-const ROOMY: f64 = 1.001;
 
 /// Where a ray meets the skeleton.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -310,7 +305,7 @@ impl Yarn {
             } else {
                 normal
             },
-            along: thread.normalize(),
+            along: thread.normalize_or(DVec3::Z),
         }
     }
 }

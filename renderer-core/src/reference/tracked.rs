@@ -16,11 +16,9 @@ use super::walk::{BlockLoops, LoopPart};
 use super::{LoopPlace, Scratch, SkeletonHit, Tracer};
 use crate::geometry::{Interval, Ray};
 use crate::optics::Vertex;
+use crate::optics::limits::MOST_OVERLAP;
 use crate::render::Counters;
 use crate::sampling::Pcg;
-
-/// How many times denser than one solid yarn overlapping yarns may be.
-const MOST_OVERLAP: f64 = 1.5;
 
 /// Transmittance of a shadow ray below which every second one ends and the other counts twice.
 const ROULETTE_BELOW: f64 = 1.0 / 16.0;

@@ -49,7 +49,7 @@ pub const SUM_STEPS: f64 = 1024.0;
 /// Steps of a mean from 0 to 1.
 pub const MEAN_STEPS: f64 = 32767.0;
 /// Marks a mean that is final.
-const FINAL: u32 = 1 << 31;
+pub const FINAL: u32 = 1 << 31;
 
 /// The texels.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -33,6 +33,9 @@ pub const SCRAMBLES: u32 = 4;
 /// Samples of one scramble before the next one's turn.
 pub const RUN: u32 = 8;
 
+/// How far the numbers of one scattering's sets are from those of the next.
+pub const SETS_PER_BOUNCE: u32 = 16;
+
 /// Which scramble a sample belongs to.
 pub fn scramble_of(sample: u32) -> u32 {
     sample / RUN % SCRAMBLES
@@ -84,14 +87,14 @@ pub enum Set {
 
 impl Set {
     /// The set's number: 0 for the film, 1 for the level, 16·bounce + purpose for the others.
-    pub fn number(self) -> u32 {
+    pub const fn number(self) -> u32 {
         match self {
             Self::Film => 0,
             Self::Level => 1,
-            Self::Sun { bounce, sun } => 16 * bounce + sun,
-            Self::Environment { bounce } => 16 * bounce + 8,
-            Self::Onward { bounce } => 16 * bounce + 9,
-            Self::Area { bounce, area } => 16 * bounce + 10 + area,
+            Self::Sun { bounce, sun } => SETS_PER_BOUNCE * bounce + sun,
+            Self::Environment { bounce } => SETS_PER_BOUNCE * bounce + 8,
+            Self::Onward { bounce } => SETS_PER_BOUNCE * bounce + 9,
+            Self::Area { bounce, area } => SETS_PER_BOUNCE * bounce + 10 + area,
         }
     }
 }

@@ -12,12 +12,10 @@ use glam::{DVec2, DVec3};
 use super::medium::{Medium, PathInputs, Start};
 use crate::design::Method;
 use crate::geometry::Ray;
+use crate::optics::limits::ROULETTE_FROM;
 use crate::optics::{Light, Vertex, Visibility, environment_radiance, multiple_scattering};
 use crate::render::accumulation::{FirstHit, Sample};
 use crate::sampling::{self, Pcg, Set};
-
-/// The scattering from which on a path may end by Russian roulette: earlier ones carry most of the picture.
-const ROULETTE_FROM: u32 = 3;
 
 /// One path in the making.
 #[derive(Debug)]

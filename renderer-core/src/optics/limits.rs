@@ -1,0 +1,10 @@
+//! What bounds light and matter in every renderer.
+
+/// Transmittance of a shadow ray below which it counts as dark: invisible in 8 bits, several loops earlier than 0.
+pub const DARK: f64 = 1e-4;
+
+/// How many times denser than one solid yarn overlapping yarns may be: they displace each other.
+pub const MOST_OVERLAP: f64 = 1.5;
+
+/// The scattering from which on a path may end by Russian roulette: earlier ones carry most of the picture.
+pub const ROULETTE_FROM: u32 = 3;

@@ -1,6 +1,6 @@
 # shellcheck shell=bash
 # Installs what a fresh machine lacks. app/run, tests/run and .ci/run source this and call
-# `install_for headless|window|tests`. It speaks on stderr only: stdout belongs to the program.
+# `install_for headless|window|tests|ci`. It speaks on stderr only: stdout belongs to the program.
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." >/dev/null && pwd)
 needed_rust=$(sed -n 's/^rust-version = "\([0-9]*\.[0-9]*\).*/\1/p' "$root/Cargo.toml")
@@ -50,11 +50,16 @@ find_lacking() {
     done
     need mesa-vulkan-drivers "a Vulkan driver" has_vulkan_driver
 
-    if [[ $1 == tests ]]; then
+    if [[ $1 == tests || $1 == ci ]]; then
         need xvfb Xvfb command -v Xvfb
         need xauth xauth command -v xauth
         need xdotool xdotool command -v xdotool
         need imagemagick "ImageMagick (import)" command -v import
+        need spirv-tools spirv-val command -v spirv-val
+    fi
+    if [[ $1 == ci ]]; then
+        need shellcheck shellcheck command -v shellcheck
+        need codespell codespell command -v codespell
     fi
 }
 

@@ -2,10 +2,12 @@
 
 #![allow(
     clippy::unwrap_used,
-    reason = "a test that cannot go on fails, and says where"
+    clippy::disallowed_methods,
+    reason = "a test that cannot go on fails, and says where; directions of tests are not 0, and NaN fails them"
 )]
 
 mod agreement;
+mod arrows;
 mod bounced;
 mod chart;
 mod chart_edit;
@@ -33,6 +35,7 @@ mod lod_regions;
 mod materials;
 mod metrics;
 mod nap;
+mod portability;
 mod presets;
 mod probes;
 mod reference;

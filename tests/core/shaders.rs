@@ -1,12 +1,17 @@
-//! Every shader program parses and validates, for every combination of features that a scene can ask for, and errors
-//! are told by file and line.
+//! Every shader program parses and validates, for every pair of features and for all that the presets ask for, and errors
+//! are given by file and line.
+
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 use naga::back::pipeline_constants::process_overrides;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
-use naga::{AddressSpace, Expression, Function, Handle, TypeInner};
+use naga::{AddressSpace, Expression, Function, Handle, Literal, TypeInner};
 use renderer_core::design::{Method, Phase, SkeletonHeight, SkeletonShading};
+use renderer_core::gpu::constants::{declare, prelude};
 use renderer_core::gpu::pipeline_key::PipelineKey;
 use renderer_core::gpu::shaders::{Composed, ERROR, FINALISE, Part, RESOLVE, TRACE};
+
+use crate::support::scenes::{load_design, preset_paths, request};
 
 /// The portable core: nothing that a WebGPU device may lack.
 fn validator() -> Validator {
@@ -14,7 +19,7 @@ fn validator() -> Validator {
 }
 
 /// Parses a program, or says where it is wrong.
-fn parse(parts: &[Part]) -> naga::Module {
+pub fn parse(parts: &[Part]) -> naga::Module {
     let composed = Composed::new(parts);
     naga::front::wgsl::parse_str(&composed.text).unwrap_or_else(|error| {
         let line = error
@@ -43,62 +48,200 @@ fn specialise(module: &naga::Module, entry: &str, constants: &[(&str, f64)]) {
         .unwrap_or_else(|error| panic!("{entry} {constants:?}: {error:?}"));
 }
 
-fn all_needs() -> Vec<PipelineKey> {
-    let mut all = Vec::new();
+/// How many values each feature of [`key_of`] has.
+const CHOICES: [usize; 24] = [
+    4, 5, 3, 3, 3, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2,
+];
+
+/// The key that has one value of each feature.
+fn key_of(values: &[usize; 24]) -> PipelineKey {
+    let on = |place: usize| values[place] == 1;
+    let methods = [
+        Method::Single,
+        Method::Layered,
+        Method::Tracked,
+        Method::Exact,
+    ];
     let skeletons = [
         None,
         Some(SkeletonHeight::Winding),
         Some(SkeletonHeight::Paper),
     ];
-    for &method in Method::ALL {
-        for phase in Phase::ALL.iter().copied().map(Some).chain([None]) {
-            for skeleton in skeletons {
-                for flags in 0..1 << 7 {
-                    let on = |bit: u32| flags >> bit & 1 == 1;
-                    all.push(PipelineKey {
-                        method,
-                        phase,
-                        skeleton,
-                        shading: SkeletonShading::ALL[flags as usize % 3],
-                        long_paths: on(0),
-                        linear_layers: on(1),
-                        layers: if on(1) { 16 } else { 5 },
-                        root_blend: on(2),
-                        suns: if on(3) { 8 } else { 0 },
-                        areas: if on(3) == on(2) { 4 } else { 0 },
-                        environment: on(4),
-                        shadows: on(4) == on(6),
-                        path_cutoff: on(5),
-                        owen: on(3) == on(5),
-                        sky: flags % 3,
-                        drawn_sky: on(4) && flags % 3 == 2 && on(1),
-                        levels: on(1) == on(5),
-                        aov: on(5),
-                        counters: on(6),
-                        filter_f32: on(6),
-                        opaque_rays: on(2),
-                        hidden_ground: on(3) == on(4),
-                        cached_shadows: on(2) == on(6),
-                        bent: on(1) == on(5),
-                    });
-                }
+    PipelineKey {
+        method: methods[values[0]],
+        // The last choice: materials scatter in different ways.
+        phase: Phase::ALL.get(values[1]).copied(),
+        skeleton: skeletons[values[2]],
+        shading: SkeletonShading::ALL[values[3]],
+        sky: values[4] as u32,
+        layers: if on(5) { 16 } else { 5 },
+        suns: if on(6) { 8 } else { 0 },
+        areas: if on(7) { 4 } else { 0 },
+        long_paths: on(8),
+        path_cutoff: on(9),
+        linear_layers: on(10),
+        root_blend: on(11),
+        environment: on(12),
+        shadows: on(13),
+        owen: on(14),
+        drawn_sky: on(15),
+        cached_shadows: on(16),
+        bent: on(17),
+        levels: on(18),
+        aov: on(19),
+        counters: on(20),
+        filter_f32: on(21),
+        opaque_rays: on(22),
+        hidden_ground: on(23),
+    }
+}
+
+/// Two features with a value each.
+type Pair = [(usize, usize); 2];
+
+/// Few sets of values in which every two values of two features meet: each begins with a pair that has not met yet, and
+/// takes of every further feature the value that meets most that are new.
+fn covering_array<const N: usize>(choices: &[usize; N]) -> Vec<[usize; N]> {
+    let mut unmet: BTreeSet<Pair> = BTreeSet::new();
+    for (one, &ones) in choices.iter().enumerate() {
+        for (other, &others) in choices.iter().enumerate().skip(one + 1) {
+            unmet.extend((0..ones).flat_map(|a| (0..others).map(move |b| [(one, a), (other, b)])));
+        }
+    }
+    let mut rows = Vec::new();
+    while let Some(&[first, second]) = unmet.first() {
+        let mut chosen = vec![first, second];
+        for (place, &count) in choices.iter().enumerate() {
+            if place == first.0 || place == second.0 {
+                continue;
+            }
+            let meets = |value: usize| {
+                let pair = |&other: &(usize, usize)| {
+                    let mut pair = [other, (place, value)];
+                    pair.sort_unstable();
+                    pair
+                };
+                chosen
+                    .iter()
+                    .filter(|other| unmet.contains(&pair(other)))
+                    .count()
+            };
+            // Of equals another one each time.
+            let values = (0..count).map(|k| (k + rows.len()) % count);
+            let best = values
+                .max_by_key(|&value| meets(value))
+                .expect("has values");
+            chosen.push((place, best));
+        }
+        chosen.sort_unstable();
+        unmet.retain(|pair| !pair.iter().all(|part| chosen.contains(part)));
+        rows.push(std::array::from_fn(|place| chosen[place].1));
+    }
+    rows
+}
+
+/// The two names of all overrides of which not all values meet in some key, or one that has a single value.
+fn unmet(keys: &[PipelineKey]) -> Vec<[&'static str; 2]> {
+    let rows: Vec<_> = keys.iter().map(PipelineKey::constants).collect();
+    let mut values: BTreeMap<&str, HashSet<u64>> = BTreeMap::new();
+    for &(name, value) in rows.iter().flatten() {
+        values.entry(name).or_default().insert(value.to_bits());
+    }
+    let mut unmet = Vec::new();
+    let names: Vec<&str> = rows[0].iter().map(|&(name, _)| name).collect();
+    for (k, &one) in names.iter().enumerate() {
+        for (l, &other) in names.iter().enumerate().skip(k + 1) {
+            let met: HashSet<_> = (rows.iter())
+                .map(|row| [row[k].1.to_bits(), row[l].1.to_bits()])
+                .collect();
+            let [ones, others] = [values[one].len(), values[other].len()];
+            if ones < 2 || others < 2 || met.len() < ones * others {
+                unmet.push([one, other]);
             }
         }
     }
-    all
+    unmet
+}
+
+/// Keys in which all features meet in pairs.
+fn pairwise_keys() -> Vec<PipelineKey> {
+    covering_array(&CHOICES).iter().map(key_of).collect()
+}
+
+/// The keys of all presets, as they are drawn, with shadows cached where a window asks for it, and with all that a picture
+/// file may hold; each once.
+pub fn preset_keys() -> Vec<PipelineKey> {
+    let mut keys = Vec::new();
+    let mut seen = HashSet::new();
+    for path in preset_paths() {
+        let request = request(&load_design(&path), [64, 64]);
+        let drawn = PipelineKey {
+            levels: request.level_count() > 1,
+            ..PipelineKey::new(request.scene(), &request.settings, false)
+        };
+        let several_levels = PipelineKey {
+            levels: !drawn.bent,
+            ..drawn
+        };
+        let live = PipelineKey {
+            cached_shadows: true,
+            path_cutoff: true,
+            ..several_levels
+        };
+        let filed = PipelineKey {
+            aov: true,
+            counters: true,
+            ..several_levels
+        };
+        keys.extend(
+            [drawn, live, filed]
+                .into_iter()
+                .filter(|&key| seen.insert(key)),
+        );
+    }
+    keys
 }
 
 #[test]
-fn the_tracing_program_is_valid_for_every_combination_of_needs() {
+fn all_pairs_of_features_meet() {
+    let keys = pairwise_keys();
+    eprintln!("{} keys", keys.len());
+    assert_eq!(unmet(&keys), Vec::<[&str; 2]>::new());
+    // Two features that are always the same, and one that never changes.
+    let locked: Vec<_> = keys
+        .iter()
+        .map(|&key| PipelineKey {
+            levels: key.bent,
+            ..key
+        })
+        .collect();
+    assert!(unmet(&locked).contains(&["BENT", "LEVELS"]));
+    let never: Vec<_> = keys
+        .iter()
+        .map(|&key| PipelineKey { aov: false, ..key })
+        .collect();
+    assert!(unmet(&never).contains(&["AOV", "COUNTERS"]));
+}
+
+#[test]
+fn the_tracing_program_is_valid_for_every_pair_of_features() {
     let module = parse(TRACE);
-    // Every method, phase and skeleton with every seventh set of flags: all pairs of features meet many times,
-    // and the test stays within seconds.
-    for (index, needs) in all_needs().iter().enumerate() {
-        if index % 7 == 0 {
-            specialise(&module, "trace_main", &needs.constants());
-        }
+    for needs in pairwise_keys() {
+        specialise(&module, "trace_main", &needs.constants());
     }
-    specialise(&module, "baseline_main", &all_needs()[0].constants());
+    specialise(&module, "baseline_main", &pairwise_keys()[0].constants());
+}
+
+#[test]
+fn the_tracing_program_is_valid_for_every_preset() {
+    let module = parse(TRACE);
+    let keys = preset_keys();
+    // Cloth that is bent has one level, and what has several is not: neither stands for the other.
+    assert!(keys.iter().any(|key| key.bent && !key.levels));
+    assert!(keys.iter().any(|key| key.levels && !key.bent));
+    for needs in keys {
+        specialise(&module, "trace_main", &needs.constants());
+    }
 }
 
 #[test]
@@ -109,7 +252,7 @@ fn every_need_is_an_override_of_the_program_and_every_override_is_set() {
         .iter()
         .filter_map(|(_, value)| value.name.as_deref())
         .collect();
-    let constants = all_needs()[0].constants();
+    let constants = pairwise_keys()[0].constants();
     let mut set: Vec<&str> = constants.iter().map(|&(name, _)| name).collect();
     declared.sort_unstable();
     set.sort_unstable();
@@ -246,7 +389,7 @@ fn entry_points_stand_in_the_files_that_say_so() {
 }
 
 #[test]
-fn lines_of_a_program_are_told_by_file() {
+fn lines_of_a_program_are_given_by_file() {
     let parts: [Part; 3] = [
         ("first.wgsl", "const A: u32 = 1u;\nconst B: u32 = 2u;\n"),
         (
@@ -262,7 +405,64 @@ fn lines_of_a_program_are_told_by_file() {
         .expect("errors have places")
         .line_number;
     assert_eq!(composed.place(line), ("second.wgsl", 3));
-    assert_eq!(composed.place(1), ("first.wgsl", 1));
-    assert_eq!(composed.place(3), ("second.wgsl", 1));
-    assert_eq!(composed.place(6), ("third.wgsl", 1));
+    let before = prelude().lines().count() as u32;
+    assert_eq!(composed.place(1), ("generated constants", 1));
+    assert_eq!(composed.place(before), ("generated constants", before));
+    assert_eq!(composed.place(before + 1), ("first.wgsl", 1));
+    assert_eq!(composed.place(before + 3), ("second.wgsl", 1));
+    assert_eq!(composed.place(before + 6), ("third.wgsl", 1));
+}
+
+#[test]
+fn constants_reach_shaders_to_the_last_bit() {
+    // Shortest digits, subnormal numbers, the largest, and what an f64 in between would round twice.
+    let mut random = 1_u32;
+    let mut values = vec![
+        0.1_f32,
+        1e-45,
+        f32::MIN_POSITIVE,
+        f32::MAX,
+        1.0,
+        16_777_216.0,
+        1.000_000_1,
+    ];
+    values.extend((0..1000).map(|_| {
+        random = renderer_core::sampling::hash(random);
+        f32::from_bits(random & 0x7fff_ffff)
+    }));
+    values.retain(|value| value.is_finite());
+    let mut text = String::new();
+    for (k, value) in values.iter().enumerate() {
+        declare(&mut text, &format!("C{k}"), value);
+    }
+    let module = naga::front::wgsl::parse_str(&text).expect("valid WGSL");
+    let mut read = 0;
+    for (_, constant) in module.constants.iter() {
+        let name = constant.name.as_deref().expect("is named");
+        let value = values[name[1..].parse::<usize>().expect("a number")];
+        let literal = &module.global_expressions[constant.init];
+        let Expression::Literal(Literal::F32(got)) = *literal else {
+            panic!("{name} is {literal:?}");
+        };
+        assert_eq!(
+            got.to_bits(),
+            value.to_bits(),
+            "{name}: {got} is not {value}"
+        );
+        read += 1;
+    }
+    assert_eq!(read, values.len());
+}
+
+#[test]
+fn no_file_declares_what_is_generated() {
+    for (name, text) in [TRACE, RESOLVE, ERROR, FINALISE].into_iter().flatten() {
+        for line in prelude().lines() {
+            let (constant, _) = line.split_once(':').expect("has a type");
+            assert!(
+                !text.contains(&format!("{constant}:")),
+                "shaders/{name}: {constant}"
+            );
+        }
+    }
 }

@@ -1,5 +1,6 @@
 //! Towel Designer: the designer's window and the command line, over `renderer-core`.
 
+pub mod advice;
 pub mod backend;
 pub mod cli;
 pub mod clock;

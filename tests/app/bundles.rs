@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use renderer_core::design::{Design, EnvironmentKind};
+use renderer_core::design::{Design, EnvironmentKind, ImageSlot};
 use towel_designer::files::{self, Carried, Origin, Shipped};
 
 use crate::support::png;
@@ -70,11 +70,9 @@ fn write_noise(path: &Path, width: u32, height: u32) {
 #[track_caller]
 fn assert_same_cloth(design: &Design, expected: &Design) {
     let (mut design, mut expected) = (design.clone(), expected.clone());
-    for path in design.image_paths_mut() {
-        *path = None;
-    }
-    for path in expected.image_paths_mut() {
-        *path = None;
+    for slot in ImageSlot::ALL {
+        *slot.path_mut(&mut design) = None;
+        *slot.path_mut(&mut expected) = None;
     }
     assert_eq!(design, expected);
 }

@@ -730,7 +730,15 @@ fn loops_are_exported_whole_and_alike_in_both_formats() {
         let (x, y) = ((2 * i + 1) * 4 / 24, (2 * (10 - j) - 1) * 4 / 20);
         assert_eq!(record["colour"], format!("#c8{:02x}{:02x}", x * 60, y * 60));
         assert!(record["length"].as_f64().unwrap() > 0.5);
-        assert!(record["variant"].as_u64().unwrap() < 2);
+        let variant = record["variant"].as_u64().unwrap();
+        assert!(variant < 2);
+        assert_eq!(record["volume"], format!("terry-variant-{variant:02}"));
+        assert_eq!(record["kind"], "terry");
+        assert_eq!(
+            (&record["phase"], &record["density"]),
+            (&"isotropic".into(), &10.0.into())
+        );
+        assert!(record.get("transmission").is_none() && record.get("specular").is_none());
         assert!(["front", "back"].contains(&record["face"].as_str().unwrap()));
     }
 
@@ -764,6 +772,80 @@ fn loops_are_exported_whole_and_alike_in_both_formats() {
     let last = glb.len() - 24;
     let indices: Vec<usize> = (0..6).map(|k| word(last + 4 * k)).collect();
     assert_eq!(indices, [476, 477, 478, 476, 478, 479]);
+}
+
+#[test]
+fn each_loop_says_what_it_is_made_of() {
+    let bench = Bench::new();
+    let rows = "
+        [length]
+        map = 'lut'
+        [[length.table]]
+        colour = '#c80000'
+        [[length.table]]
+        colour = '#c8b4b4'
+        density = 2.5
+        kind = 'cut'
+        phase = 'kajiya_kay'
+        specular = 0.25
+        exponent = 30
+        yarn_diameter = 0.5
+        [[length.table]]
+        colour = '#c8b400'
+        kind = 'cut'
+        phase = 'frame_lambert'
+        transmission = 0.75
+        ";
+    fs::write(bench.path("mixed.toml"), format!("{SMALL}{rows}")).unwrap();
+    bench.ok(&["export", "loops", "mixed.toml", "-o", "loops.json"]);
+    bench.ok(&["export", "volume", "mixed.toml", "-o", "volume"]);
+    let json = bench.json("loops.json");
+    assert_eq!(json["yarn"]["interpolation"], "linear");
+    assert!((json["yarn"]["root_blend"].as_f64().unwrap() - 0.1).abs() < 1e-6);
+    let mut kinds = std::collections::BTreeSet::new();
+    for record in json["loops"].as_array().unwrap() {
+        let volume = record["volume"].as_str().unwrap();
+        assert!(
+            bench
+                .path(&format!("volume/{volume}-layer-00.png"))
+                .is_file()
+        );
+        let variant = record["variant"].as_u64().unwrap();
+        let name = volume
+            .strip_suffix(&format!("-variant-{variant:02}"))
+            .unwrap();
+        let line = |field: &str| record.get(field).map(ToString::to_string);
+        kinds.insert((
+            name.to_owned(),
+            record["kind"].to_string() + " " + record["phase"].as_str().unwrap(),
+            ["density", "transmission", "specular", "exponent"].map(line),
+        ));
+    }
+    let of = |name: &str, is: &str, numbers: [Option<&str>; 4]| {
+        (
+            name.to_owned(),
+            is.to_owned(),
+            numbers.map(|number| number.map(str::to_owned)),
+        )
+    };
+    let expected = [
+        of(
+            "cut",
+            "\"cut\" kajiya_kay",
+            [Some("2.5"), None, Some("0.25"), Some("30")],
+        ),
+        of(
+            "cut-2",
+            "\"cut\" frame_lambert",
+            [Some("10"), Some("0.75"), None, None],
+        ),
+        of(
+            "terry",
+            "\"terry\" isotropic",
+            [Some("10"), None, None, None],
+        ),
+    ];
+    assert_eq!(Vec::from_iter(kinds), expected);
 }
 
 #[test]
@@ -961,6 +1043,76 @@ fn volumes_are_exported_a_png_a_layer() {
     );
     // Again into the same folder, which exists now.
     bench.ok(&["export", "volume", "small.toml", "-o", "volume"]);
+}
+
+#[test]
+fn volumes_are_laid_out_as_help_says() {
+    let bench = Bench::new();
+    bench.ok(&["export", "volume", "small.toml", "-o", "volume"]);
+    let design = renderer_core::design::preset::parse(SMALL).unwrap();
+    let scene = renderer_core::scene::compile(&design).unwrap();
+    let volumes = &scene.volumes;
+    let n = volumes.resolution;
+    let mut shaded = 0;
+    for (variant, layer) in [(0, 0), (1, 2)] {
+        let name = format!("volume/terry-variant-{variant:02}-layer-{layer:02}.png");
+        let picture = image::open(bench.path(&name)).unwrap().into_luma_alpha8();
+        for (x, y, image::LumaA([gray, alpha])) in picture.enumerate_pixels() {
+            // Column 0 at u = 0, row 0 at v = 1, layer 0 at w = −½ (MODEL.md §5): a runs along u, b along v.
+            let (a, b) = (x, n - 1 - y);
+            let voxel = ((variant * volumes.layers + layer) * n + b) * n + a;
+            let [density, with_shade] = volumes.voxels[voxel as usize];
+            assert_eq!(*alpha, density, "{name} {x},{y}");
+            let product = f64::from(*gray) * f64::from(*alpha) / 255.0;
+            assert!(
+                (product - f64::from(with_shade)).abs() <= 0.5,
+                "{name} {x},{y}"
+            );
+            assert!(density > 0 || *gray == 0);
+            shaded += u32::from(*gray < 255 && density > 0);
+        }
+    }
+    assert!(shaded > 0, "some yarn is shaded");
+    let help = bench.run(&["export", "volume", "--help"]);
+    let help = String::from_utf8(help.stdout).unwrap();
+    for says in [
+        "A = 255·ρ",
+        "L = 255·shade",
+        "Row 0 is at v = 1",
+        "column 0 at u = 0",
+        "layer 0 at w = −½",
+    ] {
+        let words: Vec<&str> = help.split_whitespace().collect();
+        assert!(words.join(" ").contains(says), "{says}: {help}");
+    }
+}
+
+#[test]
+fn fields_of_earlier_programs_are_said_to_be_ignored() {
+    let bench = Bench::new();
+    let old = format!("{SMALL}traced_bounces = 1\n");
+    fs::write(bench.path("old.toml"), old).unwrap();
+    let checked = bench.run(&["check", "old.toml"]);
+    let errors = String::from_utf8(checked.stderr).unwrap();
+    let line = SMALL.lines().count() + 1;
+    let says = format!("warning: old.toml:{line}:18: quality.traced_bounces is ignored: ");
+    assert!(errors.starts_with(&says), "{errors}");
+    assert_eq!(checked.status.code(), Some(0));
+    // The picture is that of the preset without the field.
+    for name in ["old", "small"] {
+        let (preset, picture) = (format!("{name}.toml"), format!("{name}.exr"));
+        bench.ok(&[
+            "render",
+            &preset,
+            "-o",
+            &picture,
+            "--backend",
+            "cpu",
+            "--size",
+            "16x12",
+        ]);
+    }
+    assert_eq!(bench.read("old.exr"), bench.read("small.exr"));
 }
 
 #[test]

@@ -6,9 +6,9 @@ use std::path::Path;
 
 use image::codecs::hdr::HdrEncoder;
 use image::{ImageFormat, Rgb, Rgb32FImage};
-use renderer_core::design::{preset, srgb_to_linear};
+use renderer_core::design::{EnvironmentImage, ImagePixels, ImageSlot, preset, srgb_to_linear};
 use renderer_core::image::encode_exr_channels;
-use towel_designer::files;
+use towel_designer::files::{self, FileError};
 
 /// 8 × 4 pixels: the left half red and brighter than white above, the right half dim blue.
 fn colour_at(x: u32, y: u32) -> [f32; 3] {
@@ -47,6 +47,13 @@ fn write_encoded(path: &Path, format: ImageFormat, size: [u32; 2], value: impl F
     fs::write(path, file.into_inner()).unwrap();
 }
 
+fn load(path: &Path) -> Result<EnvironmentImage, FileError> {
+    match files::load_image(ImageSlot::Environment, path)? {
+        ImagePixels::Light(image) => Ok(image),
+        other => panic!("{other:?}"),
+    }
+}
+
 #[test]
 fn every_format_is_read_the_same_way_round() {
     let folder = tempfile::TempDir::new().unwrap();
@@ -54,7 +61,7 @@ fn every_format_is_read_the_same_way_round() {
     write_hdr(&at("a.hdr"), [8, 4], colour_at);
     write_exr(&at("a.exr"), [8, 4], colour_at);
     for name in ["a.hdr", "a.exr"] {
-        let image = files::load_environment(&at(name)).unwrap();
+        let image = load(&at(name)).unwrap();
         assert_eq!((image.width(), image.height()), (8, 4), "{name}");
         assert_eq!(image.mended(), 0);
         for (k, pixel) in (0..).zip(image.pixels()) {
@@ -73,15 +80,15 @@ fn every_format_is_read_the_same_way_round() {
     // The content decides, not the name.
     fs::copy(at("a.exr"), at("b.png")).unwrap();
     for (name, tolerance) in [("a.png", 1e-4), ("a.jpg", 0.02)] {
-        let image = files::load_environment(&at(name)).unwrap();
+        let image = load(&at(name)).unwrap();
         for (x, value) in [(0, 188.0), (7, 20.0)] {
             let expected = srgb_to_linear(value / 255.0);
             let error = f64::from(image.pixel(x, 1)[1]) - expected;
             assert!(error.abs() < tolerance, "{name} {x}: off by {error}");
         }
     }
-    let renamed = files::load_environment(&at("b.png")).unwrap();
-    assert_eq!(renamed, files::load_environment(&at("a.exr")).unwrap());
+    let renamed = load(&at("b.png")).unwrap();
+    assert_eq!(renamed, load(&at("a.exr")).unwrap());
 }
 
 #[test]
@@ -127,7 +134,7 @@ fn what_is_no_picture_of_the_surroundings_is_refused_with_what_is_allowed() {
         ),
     ];
     for (name, says) in cases {
-        let error = files::load_environment(&at(name)).unwrap_err().to_string();
+        let error = load(&at(name)).unwrap_err().to_string();
         let start = format!("{}: environment image: {says}", at(name).display());
         assert!(error.starts_with(&start), "{error}\ninstead of {start}");
         assert!(!error.contains('\n'), "{error}");

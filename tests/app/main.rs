@@ -6,6 +6,7 @@
     reason = "a test that cannot go on fails, and says where; directions of tests are not 0, and NaN fails them"
 )]
 
+mod advice;
 mod bench;
 mod bundles;
 mod chart_files;

@@ -16,7 +16,9 @@ use renderer_core::render::{
 use renderer_core::scene;
 use renderer_core::scene::lod::LodView;
 use tempfile::TempDir;
-use towel_designer::picture_file::{self, Bands, Failure, Format, Order, Standing, TimeLeft};
+use towel_designer::picture_file::{
+    self, Bands, Failure, Format, PictureOrder, Standing, TimeLeft,
+};
 
 const SMALL: &str = "\
 format = 1
@@ -229,11 +231,11 @@ impl Backend for Slow {
     }
 }
 
-fn order(size: [u32; 2], samples: u32, format: Format) -> Order {
+fn order(size: [u32; 2], samples: u32, format: Format) -> PictureOrder {
     let design = Design::default();
     let mut small = design.clone();
     (small.sheet.warps, small.sheet.wefts) = (2, 2);
-    Order {
+    PictureOrder {
         view: LodView::of(
             Arc::new(scene::compile(&small).unwrap()),
             Camera::from_design(&design.view.cameras[0]),

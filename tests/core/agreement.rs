@@ -6,8 +6,9 @@ use renderer_core::image::Picture;
 use renderer_core::render::Backend;
 
 use crate::support::agreement::same_distribution;
+use crate::support::closed::closed;
 use crate::support::device::{gpu, reference, repeats};
-use crate::support::scenes::{load_design, request, small_towel};
+use crate::support::scenes::{Case, load_design, request, small_towel};
 use crate::support::unlike::unlike_preset_paths;
 
 /// Width and height of the pictures that are compared.
@@ -15,12 +16,16 @@ pub const SIZE: [u32; 2] = [16, 12];
 /// Samples of one picture: 16 pictures have 256.
 const SAMPLES: u32 = 16;
 
-fn on_backend(backend: &mut dyn Backend, design: &Design, size: [u32; 2]) -> Vec<Picture> {
-    repeats(backend, &request(design, size), 31_000)
+fn on_backend<'a>(
+    backend: &mut dyn Backend,
+    case: impl Into<Case<'a>>,
+    size: [u32; 2],
+) -> Vec<Picture> {
+    repeats(backend, &request(case, size), 31_000)
 }
 
-fn on_reference(design: &Design, size: [u32; 2]) -> Vec<Picture> {
-    repeats(&mut reference(), &request(design, size), 47_000)
+fn on_reference<'a>(case: impl Into<Case<'a>>, size: [u32; 2]) -> Vec<Picture> {
+    repeats(&mut reference(), &request(case, size), 47_000)
 }
 
 /// A design by `tracked`, as many samples as one of the pictures that are compared.
@@ -59,21 +64,23 @@ pub type Wrong = (&'static str, fn(&mut Design));
 
 /// The backend's pictures are draws of what the reference's are draws of, and those of wrong designs are not; the test can
 /// tell a relative difference of `bias` of the whole.
-pub fn assert_agree_and_tell(
+pub fn assert_agree_and_tell<'a>(
     backend: &mut dyn Backend,
-    design: &Design,
+    case: impl Into<Case<'a>>,
     size: [u32; 2],
     wrongs: &[Wrong],
     bias: f64,
 ) {
-    let expected = on_reference(design, size);
-    let power = same_distribution(&expected, &on_backend(backend, design, size)).unwrap();
+    let case = case.into();
+    let expected = on_reference(case, size);
+    let power = same_distribution(&expected, &on_backend(backend, case, size)).unwrap();
     // In one pixel of 256 samples much less can be told.
     assert!(power.whole < bias && power.pixel < 50.0 * bias, "{power:?}");
     for (what, wrong) in wrongs {
-        let mut design = design.clone();
+        let mut design = case.design.clone();
         wrong(&mut design);
-        let other = on_backend(backend, &design, size);
+        let wrong = closed(&design, case.traced_bounces);
+        let other = on_backend(backend, wrong, size);
         assert!(
             same_distribution(&expected, &other).is_err(),
             "{what}: {power:?}"

@@ -1,4 +1,4 @@
-//! Bounced light that is estimated after some scattering (`quality.traced_bounces`): the same on all backends, near the
+//! Bounced light that is estimated after some scattering (`Settings::traced_bounces`): the same on all backends, near the
 //! traced light, and nothing of it where all bounces are traced.
 
 use renderer_core::cpu::CpuBackend;
@@ -7,6 +7,7 @@ use renderer_core::image::metrics::{mean_luminance, rel_rmse};
 use renderer_core::render::{Backend, RenderRequest};
 
 use crate::gpu_vs_reference::both;
+use crate::support::closed::closed;
 use crate::support::compare::{same_means, same_samples};
 use crate::support::device::{exact_gpu, finish, on_reference, repeats};
 use crate::support::scenes::{load_design, preset_path, request, small_towel};
@@ -14,11 +15,11 @@ use crate::support::scenes::{load_design, preset_path, request, small_towel};
 #[test]
 fn all_backends_estimate_the_same_light() {
     let mut design = small_towel();
-    (design.quality.bounces, design.quality.traced_bounces) = (16, 1);
+    design.quality.bounces = 16;
     let (mut gpu, mut cpu) = (exact_gpu(), CpuBackend::default());
     for method in [Method::Single, Method::Layered] {
         design.quality.method = method;
-        let request = request(&design, [48, 40]);
+        let request = request(closed(&design, 1), [48, 40]);
         let expected = on_reference(&request);
         for backend in [&mut gpu as &mut dyn Backend, &mut cpu] {
             let name = backend.kind().name();
@@ -28,20 +29,20 @@ fn all_backends_estimate_the_same_light() {
     }
     // With free paths the samples differ, their mean does not.
     design.quality.method = Method::Tracked;
-    (design.quality.traced_bounces, design.quality.samples) = (2, 4);
-    let [gpu, expected] = both(&design, [24, 24]);
+    design.quality.samples = 4;
+    let [gpu, expected] = both(closed(&design, 2), [24, 24]);
     same_means(&expected, &gpu).unwrap();
-    let cpu = repeats(&mut cpu, &request(&design, [24, 24]), 1000);
+    let cpu = repeats(&mut cpu, &request(closed(&design, 2), [24, 24]), 1000);
     same_means(&expected, &cpu).unwrap();
     // Fewer orders of bounced light show.
     design.quality.bounces = 6;
-    let [fewer, _] = both(&design, [24, 24]);
+    let [fewer, _] = both(closed(&design, 2), [24, 24]);
     assert!(same_means(&expected, &fewer).is_err());
 }
 
 /// 24 × 24 pixels of the middle of a picture.
-fn detail(design: &Design) -> RenderRequest {
-    let mut request = request(design, [800, 600]);
+fn detail(design: &Design, traced_bounces: u32) -> RenderRequest {
+    let mut request = request(closed(design, traced_bounces), [800, 600]);
     request.crop = [388, 288, 24, 24];
     request
 }
@@ -55,21 +56,19 @@ fn the_estimate_is_near_the_traced_light() {
             .view
             .cameras
             .sort_by_key(|other| other.name != camera);
-        design.quality.traced_bounces = 0;
-        let traced = mean_luminance(&on_reference(&detail(&design)));
+        let traced = mean_luminance(&on_reference(&detail(&design, 0)));
         // A tenth is what the estimate claims after the first scattering, a fifth after later ones; the sampling error
         // of these means is 1 %.
         for (after, least) in [(1, 0.9), (4, 0.8)] {
-            design.quality.traced_bounces = after;
-            let ratio = mean_luminance(&on_reference(&detail(&design))) / traced;
+            let ratio = mean_luminance(&on_reference(&detail(&design, after))) / traced;
             assert!(
                 (least..1.1).contains(&ratio),
                 "{camera}, after {after}: {ratio}"
             );
         }
         // What is left out without it is far more.
-        (design.quality.traced_bounces, design.quality.bounces) = (0, 1);
-        let ratio = mean_luminance(&on_reference(&detail(&design))) / traced;
+        design.quality.bounces = 1;
+        let ratio = mean_luminance(&on_reference(&detail(&design, 0))) / traced;
         assert!(ratio < 0.5, "{camera}: {ratio}");
         design.quality.bounces = 64;
     }
@@ -82,10 +81,9 @@ fn nothing_is_estimated_where_every_bounce_is_traced() {
     (design.quality.bounces, design.quality.samples) = (4, 2);
     let traced = on_reference(&request(&design, [24, 20]));
     for after in [4, 5, 64] {
-        design.quality.traced_bounces = after;
-        assert_eq!(on_reference(&request(&design, [24, 20])), traced, "{after}");
+        let same = on_reference(&request(closed(&design, after), [24, 20]));
+        assert_eq!(same, traced, "{after}");
     }
-    design.quality.traced_bounces = 3;
-    let closed = on_reference(&request(&design, [24, 20]));
-    assert!(rel_rmse(&closed, &traced).unwrap() > 0.001);
+    let estimated = on_reference(&request(closed(&design, 3), [24, 20]));
+    assert!(rel_rmse(&estimated, &traced).unwrap() > 0.001);
 }

@@ -13,7 +13,7 @@ use renderer_core::render::Backend;
 use crate::form::nearly_same;
 use crate::support::compare::{REPEATS, same_means, same_samples, shows_something};
 use crate::support::device::{exact_gpu, finish, gpu, on_reference, reference, repeats};
-use crate::support::scenes::{load_design, preset_paths, request, small_towel};
+use crate::support::scenes::{Case, load_design, preset_paths, request, small_towel};
 
 const SIZE: [u32; 2] = [48, 40];
 
@@ -153,8 +153,8 @@ fn a_crop_holds_the_pixels_of_the_whole() {
 }
 
 /// Pictures of the GPU and of the reference, with different seeds.
-pub fn both(design: &Design, size: [u32; 2]) -> [Vec<Picture>; 2] {
-    let request = request(design, size);
+pub fn both<'a>(case: impl Into<Case<'a>>, size: [u32; 2]) -> [Vec<Picture>; 2] {
+    let request = request(case, size);
     [
         repeats(&mut gpu(), &request, 1000),
         repeats(&mut reference(), &request, 5000),

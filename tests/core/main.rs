@@ -55,6 +55,7 @@ mod volumes;
 #[path = "../support"]
 mod support {
     pub mod agreement;
+    pub mod closed;
     pub mod compare;
     pub mod device;
     pub mod drawing;

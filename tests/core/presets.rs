@@ -204,6 +204,97 @@ fn unknown_fields_are_refused_with_the_likely_name() {
 }
 
 #[test]
+fn fields_of_earlier_programs_are_read_and_ignored_with_a_word() {
+    let old = |traced: &str, cached: &str| {
+        format!(
+            "format = 1\n[quality]\ntraced_bounces = {traced}\nsamples = 9\ncached_shadows = {cached}\n"
+        )
+    };
+    let mut expected = Design::default();
+    expected.quality.samples = 9;
+    let (design, notes) = preset::parse_noting(&old("1", "8")).unwrap();
+    assert_eq!(design, expected);
+    let notes: Vec<_> = notes.iter().map(ToString::to_string).collect();
+    assert_eq!(
+        notes,
+        [
+            "3:18: quality.traced_bounces is ignored: whether bounces are estimated is up to the view, not to the design",
+            "5:18: quality.cached_shadows is ignored: whether shadows are shared is up to the view, not to the design"
+        ]
+    );
+    // Earlier programs wrote every field; what was switched off is as it was.
+    assert_eq!(
+        preset::parse_noting(&old("0", "0")),
+        Ok((expected.clone(), vec![]))
+    );
+    // Other faults are found beside them.
+    let faults = faults("format = 1\nquality.traced_bounces = 'x'\nquality.bounces = 0");
+    assert_eq!(faults.len(), 1, "{faults:?}");
+    assert_eq!(faults[0].path, "quality.bounces");
+    // Whoever sets one hears that it does nothing, and it is not written any more.
+    let error = preset::set(&expected, "quality.traced_bounces", "1").unwrap_err();
+    assert!(
+        error
+            .message
+            .starts_with("quality.traced_bounces is not a field any more: ")
+    );
+    assert!(!preset::write(&expected).unwrap().contains("traced_bounces"));
+}
+
+#[test]
+fn every_image_of_a_design_has_its_row() {
+    // Every optional text field called `image` is in the table, and nothing else is.
+    let text = preset::write(&Design::default()).unwrap();
+    let mut section = "";
+    let mut fields = vec![];
+    for line in text.lines() {
+        if let Some(name) = line
+            .strip_prefix('[')
+            .and_then(|line| line.strip_suffix(']'))
+        {
+            section = name.trim_matches(['[', ']']);
+        } else if line.split_whitespace().take(2).eq(["#", "image"]) {
+            fields.push(format!("{section}.image"));
+        }
+    }
+    let mut slots = ImageSlot::ALL.map(ImageSlot::field).to_vec();
+    fields.sort();
+    slots.sort_unstable();
+    assert_eq!(fields, slots);
+
+    for slot in ImageSlot::ALL {
+        let pixels = match slot.kind() {
+            PixelKind::Colours => ChartImage::filled(1, 1, [9; 4]).map(ImagePixels::Colours),
+            PixelKind::Heights => HeightImage::new(1, 1, vec![7]).map(ImagePixels::Heights),
+            PixelKind::Light => {
+                let mut reader = EnvironmentReader::new(2, 1).unwrap();
+                (0..2).for_each(|x| reader.add(x, 0, [0.5; 3]));
+                reader.finish().ok().map(ImagePixels::Light)
+            }
+        };
+        assert!(pixels.is_some());
+        let mut design = preset::set(&Design::default(), slot.field(), "a.png").unwrap();
+        assert_eq!(slot.path(&design), Some("a.png"));
+        slot.set_pixels(&mut design, pixels.clone());
+        slot.show(&mut design);
+        assert_eq!(
+            (slot.pixels(&design), slot.has_pixels(&design)),
+            (pixels, true)
+        );
+        assert_eq!(design.faults(), []);
+        for other in ImageSlot::ALL {
+            assert_eq!(other.has_pixels(&design), other == slot);
+        }
+        // A field that names another file leaves no pixels; another field leaves them.
+        let bent = preset::set(&design, "pile.tilt", "3").unwrap();
+        assert!(slot.has_pixels(&bent));
+        assert!(!slot.has_pixels(&preset::set(&design, slot.field(), "b.png").unwrap()));
+        slot.leave_out(&mut design);
+        assert_eq!(design, Design::default());
+    }
+}
+
+#[test]
 fn all_faults_are_found_at_once_in_the_order_of_lines() {
     let text = "format = 1
 [view]

@@ -1,4 +1,4 @@
-//! Shadows that a picture's first samples share (`quality.cached_shadows`): the grid, what is saved, what it costs in
+//! Shadows that a picture's first samples share (`Settings::cached_shadows`): the grid, what is saved, what it costs in
 //! accuracy, and when what was learned is kept.
 
 use std::sync::Arc;
@@ -13,6 +13,7 @@ use renderer_core::render::{Backend, Counters, RenderRequest};
 use renderer_core::sampling::Pcg;
 use renderer_core::scene::{Scene, compile};
 
+use crate::support::closed::closed;
 use crate::support::device::{exact_gpu, finish};
 use crate::support::scenes::{request, small_towel};
 
@@ -23,14 +24,15 @@ fn towel(method: Method, bounces: u32, samples: u32, cached: u32) -> RenderReque
     let mut design = small_towel();
     (design.quality.method, design.quality.samples) = (method, samples);
     design.quality.bounces = bounces;
-    design.quality.traced_bounces = u32::from(bounces > 1);
-    design.quality.cached_shadows = cached;
-    with_counters(&design)
+    with_counters(&design, cached)
 }
 
-fn with_counters(design: &Design) -> RenderRequest {
-    let mut request = request(design, SIZE);
+/// A counted picture whose light is estimated after the first of several scatterings, as in a view that shares shadows.
+fn with_counters(design: &Design, cached: u32) -> RenderRequest {
+    let traced_bounces = u32::from(design.quality.bounces > 1);
+    let mut request = request(closed(design, traced_bounces), SIZE);
     request.settings.counters = true;
+    request.settings.cached_shadows = cached;
     request
 }
 
@@ -159,9 +161,7 @@ fn known_shadows_save_rays_and_leave_the_mean() {
             }];
             (design.quality.method, design.quality.samples) = (method, 16);
             design.quality.bounces = bounces;
-            design.quality.traced_bounces = u32::from(bounces > 1);
-            design.quality.cached_shadows = cached;
-            with_counters(&design)
+            with_counters(&design, cached)
         };
         let [(apart, _), (together, few)] = [0, 16].map(|cached| draw(&mut cpu, &lit(cached)));
         assert!(few.cached_rays > 10_000, "{name}: {few:?}");
@@ -227,13 +227,13 @@ fn a_moved_camera_finds_what_was_learned_and_another_cloth_or_light_nothing() {
         assert!(cached(&moved) > 500, "{name}");
         // Colours throw no shadows.
         let mut red = small_towel();
-        (red.quality.method, red.quality.cached_shadows) = (Method::Single, 8);
+        red.quality.method = Method::Single;
         (red.quality.samples, red.quality.bounces) = (1, 1);
         red.chart.colour = Colour([120, 0, 0]);
         let other = |request: &RenderRequest, edit: fn(&mut Design)| {
             let mut design = red.clone();
             edit(&mut design);
-            let mut compiled = with_counters(&design);
+            let mut compiled = with_counters(&design, 8);
             compiled.view.levels.nearest.camera = *request.camera();
             compiled
         };

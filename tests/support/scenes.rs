@@ -28,13 +28,38 @@ pub fn small_towel() -> Design {
     design
 }
 
+/// A design to draw, and how much of its light is estimated.
+#[derive(Clone, Copy)]
+pub struct Case<'a> {
+    /// What is drawn.
+    pub design: &'a Design,
+    /// Scatterings after which the light of further ones is estimated; 0 traces all.
+    pub traced_bounces: u32,
+}
+
+impl<'a> From<&'a Design> for Case<'a> {
+    fn from(design: &'a Design) -> Self {
+        Self {
+            design,
+            traced_bounces: 0,
+        }
+    }
+}
+
 /// A picture of a design by its first camera.
-pub fn request(design: &Design, size: [u32; 2]) -> RenderRequest {
+pub fn request<'a>(case: impl Into<Case<'a>>, size: [u32; 2]) -> RenderRequest {
+    let Case {
+        design,
+        traced_bounces,
+    } = case.into();
     let camera = Camera::from_design(&design.view.cameras[0]);
     let (extent, never) = (LodBudget::LIVE, Cancel::never());
     let mut maker = LodCompiler::default();
     let view = LodView::new(&mut maker, design, &camera, size, extent, &never);
-    let settings = Settings::from(&design.quality);
+    let settings = Settings {
+        traced_bounces,
+        ..Settings::from(&design.quality)
+    };
     RenderRequest::new(view.unwrap(), size, settings)
 }
 

@@ -1,4 +1,5 @@
-//! `check`: validates presets, bundles and pictures that carry a design, with the images they name, and prints every fault.
+//! `check`: validates presets, bundles and pictures that carry a design, with the images they name, and prints every
+//! fault.
 
 use std::io::Write;
 use std::path::PathBuf;

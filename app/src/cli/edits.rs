@@ -1,5 +1,5 @@
-//! `towel-designer edits`: how long an edit takes until the picture is whole again, in a program that is already running
-//! as the designer is: what the edit leaves alone is kept from the scene before it.
+//! `towel-designer edits`: how long an edit takes until the picture is whole again, in a program that is already
+//! running as the designer is: what the edit leaves alone is kept from the scene before it.
 //!
 //! Each edit is made and taken back in turns. Files are read before anything is measured.
 
@@ -43,7 +43,7 @@ pub struct EditsArguments {
     /// What to render with.
     #[arg(long, value_enum, default_value_t)]
     backend: BackendChoice,
-    /// How a ray gathers light; as the preset says unless told.
+    /// How a ray gathers light; as the preset says unless given.
     #[arg(long, value_parser = arguments::method)]
     method: Option<Method>,
     /// Change a field of the preset for good, as in quality.bounces=1.

@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand; none opens the designer.
 //!
-//! Results go to files and to stdout, everything else to stderr. Exit codes: 0 done, 1 failed, 2 bad arguments or preset.
+//! Results go to files and to stdout, everything else to stderr. Exit codes: 0 done, 1 failed, 2 bad arguments or
+//! preset.
 
 mod arguments;
 pub mod bench;
@@ -22,6 +23,7 @@ use renderer_core::scene::CompileError;
 use tracing_subscriber::EnvFilter;
 use tracing_subscriber::filter::LevelFilter;
 
+use crate::advice::{Place, with_advice, with_advice_on_cloth};
 use crate::backend::BackendChoice;
 use crate::files::FileError;
 
@@ -49,7 +51,8 @@ struct Arguments {
 enum Command {
     /// Render a preset to a PNG (as displayed) or EXR (linear) file.
     Render(Box<render::RenderArguments>),
-    /// Measure what presets cost: run time against error, skips, backends, growth, first pictures; tables, plots and a summary.
+    /// Measure what presets cost: run time against error, skips, backends, growth, first pictures; tables, plots and a
+    /// summary.
     Bench(bench::BenchArguments),
     /// Measure how smoothly the window goes while it renders: the times between its frames.
     Pace(pace::PaceArguments),
@@ -77,8 +80,7 @@ pub fn main() -> ExitCode {
         // Who reads our output has seen enough, as in `towel-designer info | head -1`.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            // Messages are whole sentences: they name their cause themselves.
-            eprintln!("error: {error}");
+            eprintln!("error: {}", message(&error));
             ExitCode::from(if is_bad_input(&error) { 2 } else { 1 })
         }
     }
@@ -138,6 +140,17 @@ fn reject_unknown_word(word: Option<OsString>) -> Result<(), BadArgument> {
         "{text}: there is no such preset, nor such a command; commands are {}",
         commands.join(", ")
     )))
+}
+
+/// The error with what helps. Messages are whole sentences: they name their cause themselves.
+fn message(error: &anyhow::Error) -> String {
+    let render = error.chain().find_map(|cause| cause.downcast_ref());
+    let cloth = error.chain().find_map(|cause| cause.downcast_ref());
+    match (render, cloth) {
+        (Some(error), _) => with_advice(error, Place::CommandLine),
+        (None, Some(error)) => with_advice_on_cloth(error),
+        (None, None) => error.to_string(),
+    }
 }
 
 fn is_broken_pipe(error: &anyhow::Error) -> bool {

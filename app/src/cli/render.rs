@@ -1,7 +1,7 @@
 //! `render`: a preset to a picture file, without a window.
 //!
-//! Everything that can be wrong with the arguments is found before the first ray: the preset, the chart, the camera, the
-//! output. The picture is written last and at once, so that Ctrl-C leaves nothing behind.
+//! Everything that can be wrong with the arguments is found before the first ray: the preset, the chart, the camera,
+//! the output. The picture is written last and at once, so that Ctrl-C leaves nothing behind.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -9,18 +9,18 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use renderer_core::design::{Design, Method, Quality};
+use renderer_core::design::{Design, Method, Quality, Warning};
 use renderer_core::geometry::Camera;
 use renderer_core::image::{Background, Depth, Display, ExrLayer};
-use renderer_core::render::{Optimisation, Optimisations, Settings};
-use renderer_core::scene::lod::{LodBudget, LodCompiler, LodPlan};
-use renderer_core::scene::{self, Cancel, Compiler};
+use renderer_core::render::{Backend, Optimisation, Optimisations, Settings};
+use renderer_core::scene::lod::{LodBudget, LodCloth, LodCompiler, LodPlan};
+use renderer_core::scene::{self, Cancel, CompileError, Compiler};
 
-use super::stats::{Bytes, Seconds, Stats, cloth_bytes};
+use super::stats::{Seconds, Stats};
 use super::{BadArgument, arguments};
 use crate::backend::{self, BackendChoice};
 use crate::files::{self, Opened};
-use crate::picture_file::{self, BAND_BYTES, Format, Order, Standing};
+use crate::picture_file::{self, BAND_BYTES, Failure, Format, Made, PictureOrder, Standing};
 
 /// Arguments of `render`.
 #[derive(Debug, clap::Args)]
@@ -34,7 +34,8 @@ pub struct RenderArguments {
     #[arg(long, value_name = "WxH", default_value = "800x600", value_parser = arguments::size)]
     size: [u32; 2],
     /// Stop at this many samples a pixel.
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(samples_range()))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u32).range(samples_range()))]
     samples: Option<u32>,
     /// Stop at this estimated relative error.
     #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = arguments::error_target)]
@@ -46,7 +47,8 @@ pub struct RenderArguments {
     #[arg(long, value_parser = arguments::method)]
     method: Option<Method>,
     /// Most scatterings of a path.
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(bounces_range()))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u32).range(bounces_range()))]
     bounces: Option<u32>,
     /// What to render with.
     #[arg(long, value_enum, default_value_t)]
@@ -54,7 +56,7 @@ pub struct RenderArguments {
     /// Seed of the noise.
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     seed: Option<u32>,
-    /// Camera of the preset; its first unless told.
+    /// Camera of the preset; its first unless given.
     #[arg(long, value_name = "NAME")]
     camera: Option<String>,
     /// Change a field of the preset, as in turbulence.seed=3 or light.sun[0].elevation=30.
@@ -66,14 +68,15 @@ pub struct RenderArguments {
     /// Extra channels, for .exr.
     #[arg(long, value_name = "LAYERS", value_enum, value_delimiter = ',')]
     aov: Vec<AovArgument>,
-    /// Bits a channel, for .png: 8 unless told.
+    /// Bits a channel, for .png: 8 unless given.
     #[arg(long, value_name = "8|16", value_parser = ["8", "16"])]
     depth: Option<String>,
     /// Leave the background out: alpha says how much of a pixel is cloth.
     #[arg(long)]
     transparent: bool,
     /// Most memory for the sums of the picture, in MB; larger pictures are made in bands, with the same result.
-    #[arg(long, value_name = "MB", default_value_t = BAND_BYTES >> 20, value_parser = clap::value_parser!(u64).range(1..=1 << 20))]
+    #[arg(long, value_name = "MB", default_value_t = BAND_BYTES >> 20)]
+    #[arg(value_parser = clap::value_parser!(u64).range(1..=1 << 20))]
     memory: u64,
     /// Write times, sizes and quality as JSON.
     #[arg(long, value_name = "OUT.json")]
@@ -111,115 +114,125 @@ fn bounces_range() -> std::ops::RangeInclusive<i64> {
 pub fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
     let start = Instant::now();
     let mut seconds = Seconds::default();
-
-    let format = format(arguments)?;
-    let opened = files::open_design_with(&arguments.preset, &arguments.set)?;
-    let design = &opened.design;
-    let camera = camera(design, arguments)?;
-    files::check_writable(&arguments.output)?;
-    if let Some(stats) = &arguments.stats {
-        files::check_writable(stats)?;
-    }
-    seconds.open = start.elapsed().as_secs_f64();
+    let asked = timed(&mut seconds.open, || Asked::check(arguments))?;
 
     let mut maker = LodCompiler::new(Compiler::new(optimisations(arguments).into()));
-    let plan = LodPlan::new(design, &camera, arguments.size, LodBudget::FINAL, None);
-    let cloth = timed(&mut seconds.compile, || {
-        maker.make(design, plan, &Cancel::never())
-    })?;
-    if !arguments.quiet {
-        for warning in &opened.warnings {
-            eprintln!("warning: {warning}");
-        }
-        for warning in scene::warnings(design, &cloth.scenes.nearest) {
-            eprintln!("warning: {warning}");
-        }
-    }
+    let cloth = timed(&mut seconds.compile, || asked.cloth(&mut maker))?;
+    asked.warn(&scene::warnings(
+        &asked.opened.design,
+        &cloth.scenes.nearest,
+    ));
 
-    let [width, height] = arguments.size;
-    let order = Order {
-        view: cloth.view(design, &camera, arguments.size),
-        size: arguments.size,
-        crop: arguments.crop.unwrap_or([0, 0, width, height]),
-        settings: settings(design, arguments, &format),
-        time: arguments.time.map(Duration::from_secs_f64),
-        chunks: match format {
-            Format::Png(_) => design_chunks(&opened, arguments)?,
-            Format::Exr(_) => Vec::new(),
-        },
-        format,
-        display: Display::from(&design.view),
-        transparent: arguments
-            .transparent
-            .then(|| Background(design.light.background.linear())),
-        band_bytes: arguments.memory << 20,
-    };
+    let order = asked.order(&cloth)?;
     let choice = arguments.backend.for_method(order.settings.method);
     let mut backend = timed(&mut seconds.pipelines, || backend::make(choice))?;
     let before = start.elapsed();
-    let bar = Bar::new(arguments.quiet);
-    let never = AtomicBool::new(false);
-    let made = picture_file::make(
-        &order,
-        &mut *backend,
-        &arguments.output,
-        &never,
-        |standing| {
-            bar.show(standing);
-        },
-    )?;
-    drop(bar);
-    seconds.pipelines += made.pipelines.as_secs_f64();
-    seconds.upload = made.upload.as_secs_f64();
-    seconds.render = made.render.wall.as_secs_f64();
-    seconds.write = made.write.as_secs_f64();
-    let first = before + made.upload + made.pipelines + made.first;
-    seconds.first_image = first.as_secs_f64();
-    let nonfinite_pixels = made.nonfinite_pixels;
-    if nonfinite_pixels > 0 {
-        eprintln!(
-            "warning: {nonfinite_pixels} pixels are not finite, which is a fault of this program"
-        );
-    }
+    let made = make(&order, &mut *backend, arguments)?;
+    seconds.add(before, &made);
 
     if let Some(path) = &arguments.stats {
-        let kind = backend.kind();
-        let counters = match arguments.counters {
-            true => Some(made.counters.into()),
-            false => None,
-        };
         seconds.total = start.elapsed().as_secs_f64();
-        let stats = Stats {
-            version: env!("CARGO_PKG_VERSION"),
-            adapter: backend.device_name(),
-            backend: kind.name(),
-            method: order.settings.method.name(),
-            size: order.size,
-            crop: order.crop,
-            samples: made.samples,
-            bands: made.bands,
-            loops: cloth.counts().planted,
-            dropped_loops: cloth.counts().dropped,
-            compile: maker.last_report().into(),
-            seconds,
-            processor_seconds: made.render.processor.map(|time| time.as_secs_f64()),
-            counters,
-            error_estimate: made.error_estimate,
-            nonfinite_pixels,
-            bytes: Bytes {
-                scene: cloth_bytes(&cloth),
-                per_loop: cloth.scenes.nearest.loops.bytes_per_loop(),
-                gpu_total: match kind {
-                    renderer_core::render::BackendKind::Gpu => made.device_bytes,
-                    _ => 0,
-                },
-                band: made.band_bytes,
-            },
-        };
+        let compile = maker.last_report();
+        let stats = Stats::new(&order, &cloth, compile, &*backend, &made, seconds);
         let json = serde_json::to_string_pretty(&stats)? + "\n";
         files::write_atomically(path, json.as_bytes())?;
     }
     Ok(())
+}
+
+/// What is to be rendered, found good before the first ray.
+struct Asked<'a> {
+    arguments: &'a RenderArguments,
+    format: Format,
+    opened: Opened,
+    camera: Camera,
+}
+
+impl<'a> Asked<'a> {
+    /// Reads the preset, and makes sure that the outputs can be written.
+    fn check(arguments: &'a RenderArguments) -> anyhow::Result<Self> {
+        let format = format(arguments)?;
+        let opened = files::open_design_with(&arguments.preset, &arguments.set)?;
+        let camera = camera(&opened.design, arguments)?;
+        files::check_writable(&arguments.output)?;
+        if let Some(stats) = &arguments.stats {
+            files::check_writable(stats)?;
+        }
+        Ok(Self {
+            arguments,
+            format,
+            opened,
+            camera,
+        })
+    }
+
+    /// The cloth as the picture needs it.
+    fn cloth(&self, maker: &mut LodCompiler) -> Result<LodCloth, CompileError> {
+        let design = &self.opened.design;
+        let plan = LodPlan::new(
+            design,
+            &self.camera,
+            self.arguments.size,
+            LodBudget::FINAL,
+            None,
+        );
+        maker.make(design, plan, &Cancel::never())
+    }
+
+    /// Prints what is to be said of the preset and its cloth.
+    fn warn(&self, of_cloth: &[Warning]) {
+        let of_files = self.opened.warnings.iter().map(String::as_str);
+        let warnings = of_files.chain(of_cloth.iter().map(|warning| warning.text.as_str()));
+        print_warnings(self.arguments, warnings);
+    }
+
+    /// The picture to make.
+    fn order(&self, cloth: &LodCloth) -> anyhow::Result<PictureOrder> {
+        let arguments = self.arguments;
+        let design = &self.opened.design;
+        let [width, height] = arguments.size;
+        let background = Background(design.light.background.linear());
+        Ok(PictureOrder {
+            view: cloth.view(design, &self.camera, arguments.size),
+            size: arguments.size,
+            crop: arguments.crop.unwrap_or([0, 0, width, height]),
+            settings: settings(design, arguments, &self.format),
+            time: arguments.time.map(Duration::from_secs_f64),
+            chunks: match self.format {
+                Format::Png(_) => design_chunks(&self.opened, arguments)?,
+                Format::Exr(_) => Vec::new(),
+            },
+            format: self.format.clone(),
+            display: Display::from(&design.view),
+            transparent: arguments.transparent.then_some(background),
+            band_bytes: arguments.memory << 20,
+        })
+    }
+}
+
+/// Makes the picture, with a progress bar.
+fn make(
+    order: &PictureOrder,
+    backend: &mut dyn Backend,
+    arguments: &RenderArguments,
+) -> Result<Made, Failure> {
+    let bar = Bar::new(arguments.quiet);
+    let never = AtomicBool::new(false);
+    let show = |standing: &Standing| bar.show(standing);
+    let made = picture_file::make(order, backend, &arguments.output, &never, show)?;
+    drop(bar);
+    let pixels = made.nonfinite_pixels;
+    if pixels > 0 {
+        eprintln!("warning: {pixels} pixels are not finite, which is a fault of this program");
+    }
+    Ok(made)
+}
+
+/// Prints warnings, unless nothing is to be printed.
+fn print_warnings<'w>(arguments: &RenderArguments, warnings: impl Iterator<Item = &'w str>) {
+    for warning in warnings.filter(|_| !arguments.quiet) {
+        eprintln!("warning: {warning}");
+    }
 }
 
 /// Runs `work` and notes how long it took.
@@ -302,17 +315,13 @@ fn settings(design: &Design, arguments: &RenderArguments, format: &Format) -> Se
     Settings {
         method: arguments.method.unwrap_or(preset.method),
         bounces: arguments.bounces.unwrap_or(preset.bounces),
-        traced_bounces: preset.traced_bounces,
-        step_mm: preset.step_mm,
         samples,
         error,
         seed: arguments.seed.unwrap_or(preset.seed),
-        sampler: preset.sampler,
-        shadows: preset.shadows,
         aov: matches!(format, Format::Exr(layers) if layers.iter().any(|l| *l != ExrLayer::Alpha)),
         counters: arguments.counters,
         optimisations: optimisations(arguments),
-        cached_shadows: preset.cached_shadows,
+        ..preset
     }
 }
 
@@ -371,10 +380,6 @@ fn design_chunks(opened: &Opened, arguments: &RenderArguments) -> anyhow::Result
     let folder = arguments.preset.parent().unwrap_or(Path::new(""));
     let embedded = files::embedded(&opened.design, &opened.carried, folder);
     let embedded = embedded.map_err(anyhow::Error::msg)?;
-    if !arguments.quiet {
-        for warning in &embedded.warnings {
-            eprintln!("warning: {warning}");
-        }
-    }
+    print_warnings(arguments, embedded.warnings.iter().map(String::as_str));
     Ok(embedded.chunks)
 }

@@ -1,9 +1,13 @@
 //! The file that `render --stats` writes: what was rendered, with what, how long each part took, and how good it is.
 
-use renderer_core::render::Counters;
+use std::time::Duration;
+
+use renderer_core::render::{Backend, BackendKind, Counters};
 use renderer_core::scene::lod::LodCloth;
 use renderer_core::scene::{CompileReport, Scene, StageSeconds};
 use serde::Serialize;
+
+use crate::picture_file::{Made, PictureOrder};
 
 /// The whole file.
 #[derive(Debug, Serialize)]
@@ -43,6 +47,59 @@ pub struct Stats {
     pub nonfinite_pixels: u64,
     /// Sizes in memory.
     pub bytes: Bytes,
+}
+
+impl Stats {
+    /// Of a picture that was made, and of what compiling its cloth took.
+    pub fn new(
+        order: &PictureOrder,
+        cloth: &LodCloth,
+        compile: CompileReport,
+        backend: &dyn Backend,
+        made: &Made,
+        seconds: Seconds,
+    ) -> Self {
+        let kind = backend.kind();
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            adapter: backend.device_name(),
+            backend: kind.name(),
+            method: order.settings.method.name(),
+            size: order.size,
+            crop: order.crop,
+            samples: made.samples,
+            bands: made.bands,
+            loops: cloth.counts().planted,
+            dropped_loops: cloth.counts().dropped,
+            compile: compile.into(),
+            seconds,
+            processor_seconds: made.render.processor.map(|time| time.as_secs_f64()),
+            counters: order.settings.counters.then(|| made.counters.into()),
+            error_estimate: made.error_estimate,
+            nonfinite_pixels: made.nonfinite_pixels,
+            bytes: Bytes {
+                scene: cloth_bytes(cloth),
+                per_loop: cloth.scenes.nearest.loops.bytes_per_loop(),
+                gpu_total: match kind {
+                    BackendKind::Gpu => made.device_bytes,
+                    BackendKind::Cpu | BackendKind::Reference => 0,
+                },
+                band: made.band_bytes,
+            },
+        }
+    }
+}
+
+impl Seconds {
+    /// Adds those of a picture whose making began so long after the program's start.
+    pub fn add(&mut self, before: Duration, made: &Made) {
+        let first = before + made.upload + made.pipelines + made.first;
+        self.pipelines += made.pipelines.as_secs_f64();
+        self.upload = made.upload.as_secs_f64();
+        self.render = made.render.wall.as_secs_f64();
+        self.write = made.write.as_secs_f64();
+        self.first_image = first.as_secs_f64();
+    }
 }
 
 /// Wall-clock seconds of each part.
@@ -91,7 +148,7 @@ impl From<CompileReport> for CompileJson {
 pub struct Bytes {
     /// All records of the scene.
     pub scene: u64,
-    /// Frames, lists and bounds for each loop, all told.
+    /// Frames, lists and bounds for each loop, all together.
     pub per_loop: f64,
     /// On the GPU; 0 for other backends.
     pub gpu_total: u64,

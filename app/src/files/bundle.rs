@@ -7,12 +7,10 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
-use renderer_core::design::{ChartImage, Design, EnvironmentImage, HeightImage, preset};
-use renderer_core::image::encode_chart_png;
+use renderer_core::design::{Design, ImagePixels, ImageSlot, preset};
 
-use super::images::{
-    decode_chart, decode_environment, decode_height, encode_environment, encode_height,
-};
+use super::image_words::words;
+use super::images::{decode_image, encode_image};
 use super::zip::{self, Archive};
 use super::{Carried, FileError, LARGEST_PRESET, write_atomically};
 
@@ -41,8 +39,8 @@ pub(super) struct Packed {
 
 /// An image that a design does not take along.
 pub(super) struct LeftOut {
-    /// What it is.
-    pub what: &'static str,
+    /// Which.
+    pub slot: ImageSlot,
     /// The file that has it; without, it is nowhere else.
     pub file: Option<String>,
     /// Its size, bytes.
@@ -52,10 +50,8 @@ pub(super) struct LeftOut {
 /// The last images that were packed, so that packing a design again costs little while its images stay the same.
 #[derive(Default)]
 pub struct Packer {
-    chart: Option<(ChartImage, Image)>,
-    nap: Option<(ChartImage, Image)>,
-    environment: Option<(EnvironmentImage, Image)>,
-    height: Option<(HeightImage, Image)>,
+    /// For each image its pixels and its file.
+    last: [Option<(ImagePixels, Image)>; ImageSlot::ALL.len()],
 }
 
 /// An image's file: a name that says its format, and its bytes.
@@ -83,119 +79,37 @@ impl Packer {
             images: Carried::default(),
             left_out: Vec::new(),
         };
-        if let Some((image, found)) = self.chart(&design, carried, folder)? {
-            design.chart.image = Some(packed.take("chart image", image, &found, most));
-        }
-        if let Some((image, found)) = self.nap(&design, carried, folder)? {
-            design.nap.image = Some(packed.take("nap map", image, &found, most));
-        }
-        if let Some((image, found)) = self.environment(&design, carried, folder)? {
-            let path = packed.take("image of the surroundings", image, &found, most);
-            design.light.environment.image = Some(path);
-        }
-        if let Some((image, found)) = self.height(&design, carried, folder)? {
-            design.form.image = Some(packed.take("height picture", image, &found, most));
+        for slot in ImageSlot::ALL {
+            if let Some((image, found)) = self.image(slot, &design, carried, folder)? {
+                let name = packed.take(slot, image, &found, most);
+                *slot.path_mut(&mut design) = Some(name);
+            }
         }
         packed.text = preset::write(&design).map_err(|error| error.to_string())?;
         Ok(packed)
     }
 
-    /// The file of a design's chart: the one it was read from where that still has the chart's pixels, else one made of
-    /// them.
-    pub(super) fn chart(
+    /// The file of an image of a design: the one it was read from where that still has the image's pixels, else one
+    /// made of them.
+    pub(super) fn image(
         &mut self,
+        slot: ImageSlot,
         design: &Design,
         carried: &Carried,
         folder: &Path,
     ) -> Result<Option<(Image, Found)>, String> {
-        let Design { chart, .. } = design;
-        let (path, pixels) = (chart.image.as_deref(), chart.pixels.as_ref());
-        painted(&mut self.chart, "chart", path, pixels, carried, folder)
-    }
-
-    /// As [`Self::chart`], of the nap map.
-    pub(super) fn nap(
-        &mut self,
-        design: &Design,
-        carried: &Carried,
-        folder: &Path,
-    ) -> Result<Option<(Image, Found)>, String> {
-        let Design { nap, .. } = design;
-        let (path, pixels) = (nap.image.as_deref(), nap.pixels.as_ref());
-        painted(&mut self.nap, "nap", path, pixels, carried, folder)
-    }
-
-    /// As [`Self::chart`], of the picture of the surroundings.
-    pub(super) fn environment(
-        &mut self,
-        design: &Design,
-        carried: &Carried,
-        folder: &Path,
-    ) -> Result<Option<(Image, Found)>, String> {
-        let environment = &design.light.environment;
-        let Some(pixels) = &environment.pixels else {
+        let Some(pixels) = slot.pixels(design) else {
             return Ok(None);
         };
-        let found = Found::new(environment.image.as_deref(), carried, folder);
-        let image = match &self.environment {
-            Some((last, image)) if last == pixels => image.clone(),
-            _ => {
-                let same = |bytes: &[u8]| decode_environment(bytes).is_ok_and(|i| i == *pixels);
-                let encode = || encode_environment(pixels).map_err(|error| error.to_string());
-                found.image("surroundings", "exr", same, encode)?
-            }
+        let found = Found::new(slot.path(design), carried, folder);
+        let last = &mut self.last[slot as usize];
+        let image = match last {
+            Some((last, image)) if *last == pixels => image.clone(),
+            _ => found.image(slot, &pixels)?,
         };
-        self.environment = Some((pixels.clone(), image.clone()));
+        *last = Some((pixels, image.clone()));
         Ok(Some((image, found)))
     }
-
-    /// As [`Self::chart`], of the height picture.
-    pub(super) fn height(
-        &mut self,
-        design: &Design,
-        carried: &Carried,
-        folder: &Path,
-    ) -> Result<Option<(Image, Found)>, String> {
-        let Some(pixels) = &design.form.pixels else {
-            return Ok(None);
-        };
-        let found = Found::new(design.form.image.as_deref(), carried, folder);
-        let image = match &self.height {
-            Some((last, image)) if last == pixels => image.clone(),
-            _ => {
-                let same = |bytes: &[u8]| decode_height(bytes).is_ok_and(|i| i == *pixels);
-                let encode = || encode_height(pixels).map_err(|error| error.to_string());
-                found.image("heights", "png", same, encode)?
-            }
-        };
-        self.height = Some((pixels.clone(), image.clone()));
-        Ok(Some((image, found)))
-    }
-}
-
-/// The file of an image that can be painted, which is called `what` where it has no name; `last` is what it was before.
-fn painted(
-    last: &mut Option<(ChartImage, Image)>,
-    what: &str,
-    path: Option<&str>,
-    pixels: Option<&ChartImage>,
-    carried: &Carried,
-    folder: &Path,
-) -> Result<Option<(Image, Found)>, String> {
-    let Some(pixels) = pixels else {
-        return Ok(None);
-    };
-    let found = Found::new(path, carried, folder);
-    let image = match last {
-        Some((last, image)) if last == pixels => image.clone(),
-        _ => {
-            let same = |bytes: &[u8]| decode_chart(bytes).is_ok_and(|i| i == *pixels);
-            let encode = || encode_chart_png(pixels, &[]).map_err(|error| error.to_string());
-            found.image(what, "png", same, encode)?
-        }
-    };
-    *last = Some((pixels.clone(), image.clone()));
-    Ok(Some((image, found)))
 }
 
 /// What there is of an image outside memory.
@@ -239,24 +153,20 @@ impl Found {
     }
 
     /// Its file if that has the right pixels, or else one made of them.
-    fn image(
-        &self,
-        what: &str,
-        ending: &str,
-        has_same_pixels: impl Fn(&[u8]) -> bool,
-        encode: impl Fn() -> Result<Vec<u8>, String>,
-    ) -> Result<Image, String> {
-        if let Some(bytes) = self.bytes.as_ref().filter(|bytes| has_same_pixels(bytes)) {
+    fn image(&self, slot: ImageSlot, pixels: &ImagePixels) -> Result<Image, String> {
+        let is_same = |bytes: &&Arc<[u8]>| decode_image(slot, bytes).is_ok_and(|i| i == *pixels);
+        if let Some(bytes) = self.bytes.as_ref().filter(is_same) {
             return Ok(Image {
                 name: self.name.clone(),
                 bytes: Arc::clone(bytes),
             });
         }
         let stem = Path::new(&self.name).file_stem();
-        let stem = stem.map_or(what.into(), |stem| stem.to_string_lossy());
+        let stem = stem.map_or(words(slot).file_stem.into(), |stem| stem.to_string_lossy());
+        let (bytes, ending) = encode_image(pixels)?;
         Ok(Image {
             name: format!("{stem}.{ending}"),
-            bytes: encode()?.into(),
+            bytes: bytes.into(),
         })
     }
 }
@@ -265,7 +175,7 @@ impl Packed {
     /// Takes an image along, if it is not too large. Returns how the preset names it.
     fn take(
         &mut self,
-        what: &'static str,
+        slot: ImageSlot,
         image: Image,
         found: &Found,
         most: Option<usize>,
@@ -275,7 +185,7 @@ impl Packed {
             let is_file = found.bytes.as_ref() == Some(&image.bytes);
             let file = found.file.clone().filter(|_| is_file);
             self.left_out.push(LeftOut {
-                what,
+                slot,
                 file: file.clone(),
                 size: image.bytes.len(),
             });
@@ -283,7 +193,7 @@ impl Packed {
         }
         let mut name = image.name;
         while self.images.get(&name).is_some() || name == PRESET {
-            name.insert_str(0, "surroundings-");
+            name = format!("{}-{name}", words(slot).file_stem);
         }
         self.images.insert(&name, image.bytes);
         name
@@ -345,17 +255,17 @@ pub(super) fn read_bundle(path: &Path) -> Result<Unpacked, FileError> {
         path: path.to_owned(),
         source,
     };
-    let told = |what: String| FileError::Bundle {
+    let unusable = |what: String| FileError::Bundle {
         path: path.to_owned(),
         what,
     };
     let size = fs::metadata(path).map_err(failed)?.len();
     if size > LARGEST_BUNDLE {
-        return Err(told(format!(
+        return Err(unusable(format!(
             "is {size} bytes large, a bundle has at most {LARGEST_BUNDLE}"
         )));
     }
-    unpack(&fs::read(path).map_err(failed)?).map_err(told)
+    unpack(&fs::read(path).map_err(failed)?).map_err(unusable)
 }
 
 /// Unpacks the preset of an archive and those of its members that it names.
@@ -367,9 +277,9 @@ pub(super) fn unpack(archive: &[u8]) -> Result<Unpacked, String> {
     let text =
         String::from_utf8(text).map_err(|_| format!("is broken: its {PRESET} is no text"))?;
     let mut carried = Carried::default();
-    // A preset with faults names no images; the faults are told by who reads the text.
-    let mut design = preset::parse(&text).unwrap_or_default();
-    for name in design.image_paths_mut().into_iter().flatten() {
+    // A preset with faults names no images; who reads the text reports the faults.
+    let design = preset::parse(&text).unwrap_or_default();
+    for name in ImageSlot::ALL.iter().filter_map(|slot| slot.path(&design)) {
         let member = name.strip_prefix("./").unwrap_or(name);
         if let Some(bytes) = archive.read(member, LARGEST_IMAGE)? {
             carried.insert(member, bytes);

@@ -11,6 +11,7 @@ use std::path::Path;
 use renderer_core::design::Design;
 
 use super::bundle::{LeftOut, Packer, Unpacked, unpack};
+use super::image_words::words;
 use super::{Carried, FileError};
 
 /// Type of the chunk.
@@ -54,7 +55,8 @@ pub fn embedded(design: &Design, carried: &Carried, folder: &Path) -> Result<Emb
 
 impl LeftOut {
     fn warning(&self) -> String {
-        let Self { what, file, size } = self;
+        let Self { slot, file, size } = self;
+        let what = words(*slot).name;
         let size = *size as f64 / f64::from(1 << 20);
         let most = LARGEST_IMAGE >> 20;
         match file {
@@ -77,7 +79,7 @@ pub fn carries_design(path: &Path) -> bool {
 
 /// Reads the design that a PNG carries.
 pub(super) fn read_embedded(path: &Path) -> Result<Unpacked, FileError> {
-    let told = |what: String| FileError::Bundle {
+    let failed = |what: String| FileError::Bundle {
         path: path.to_owned(),
         what,
     };
@@ -86,12 +88,12 @@ pub(super) fn read_embedded(path: &Path) -> Result<Unpacked, FileError> {
         source,
     })?;
     let chunk = chunk.ok_or_else(|| {
-        told(
+        failed(
             "carries no design: it was not exported by this program, or another program has left the design out"
                 .into(),
         )
     })?;
-    unpack(&chunk).map_err(|what| told(format!("the design that it carries {what}")))
+    unpack(&chunk).map_err(|what| failed(format!("the design that it carries {what}")))
 }
 
 /// Whether a file begins as a PNG does.

@@ -1,4 +1,4 @@
-//! Reading charts, nap maps, height pictures and pictures of the surroundings.
+//! Reading and encoding the images of a design.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Cursor, Seek};
@@ -10,9 +10,10 @@ use image::{
     DynamicImage, ExtendedColorType, ImageEncoder, ImageError, ImageFormat, ImageReader, Limits,
 };
 use renderer_core::design::{
-    ChartImage, EnvironmentFault, EnvironmentImage, EnvironmentReader, HeightImage, srgb_to_linear,
+    ChartImage, EnvironmentFault, EnvironmentImage, EnvironmentReader, HeightImage, ImagePixels,
+    ImageSlot, PixelKind, srgb_to_linear,
 };
-use renderer_core::image::encode_exr_channels;
+use renderer_core::image::{encode_chart_png, encode_exr_channels};
 
 use super::FileError;
 
@@ -23,31 +24,54 @@ const CHART_MEMORY: u64 = (ChartImage::MAX_SIDE * ChartImage::MAX_SIDE * 8) as u
 const ENVIRONMENT_MEMORY: u64 =
     (EnvironmentImage::MAX_WIDTH * EnvironmentImage::MAX_WIDTH / 2 * 16) as u64 + (16 << 20);
 
-/// Reads a chart image: PNG or JPEG, sides up to [`ChartImage::MAX_SIDE`].
+/// Reads an image of a design, by its content, whatever its file is called:
+///
+/// - charts and nap maps are PNG or JPEG, sides up to [`ChartImage::MAX_SIDE`];
+/// - height pictures too, sides up to [`HeightImage::MAX_SIDE`]; 16 bits are kept;
+/// - pictures of the surroundings are Radiance HDR or OpenEXR with linear light, or PNG or JPEG, taken as sRGB;
+///   equirectangular, at most [`EnvironmentImage::MAX_WIDTH`] wide.
 ///
 /// # Errors
-/// When it cannot be read, is something else or is too large.
-pub fn load_chart(path: &Path) -> Result<ChartImage, FileError> {
-    read_chart(|| Ok(BufReader::new(File::open(path)?))).map_err(|what| FileError::Chart {
-        path: path.to_owned(),
-        what,
+/// When it cannot be read, is something else, has another proportion, is too large or has pixels that are no numbers.
+pub fn load_image(slot: ImageSlot, path: &Path) -> Result<ImagePixels, FileError> {
+    read_pixels(slot.kind(), || Ok(BufReader::new(File::open(path)?))).map_err(|what| {
+        FileError::Image {
+            path: path.to_owned(),
+            slot,
+            what,
+        }
     })
 }
 
-/// Reads a nap map: what a chart image may be.
-///
-/// # Errors
-/// As [`load_chart`].
-pub fn load_nap(path: &Path) -> Result<ChartImage, FileError> {
-    read_chart(|| Ok(BufReader::new(File::open(path)?))).map_err(|what| FileError::Nap {
-        path: path.to_owned(),
-        what,
-    })
+/// As [`load_image`], of a file's bytes; the error is the end of a sentence about it.
+pub(super) fn decode_image(slot: ImageSlot, bytes: &[u8]) -> Result<ImagePixels, String> {
+    read_pixels(slot.kind(), || Ok(Cursor::new(bytes)))
 }
 
-/// As [`load_chart`] and [`load_nap`], of a file's bytes; the error is the end of a sentence about it.
-pub(super) fn decode_chart(bytes: &[u8]) -> Result<ChartImage, String> {
-    read_chart(|| Ok(Cursor::new(bytes)))
+fn read_pixels<R: BufRead + Seek + Send>(
+    kind: PixelKind,
+    open: impl Fn() -> io::Result<R>,
+) -> Result<ImagePixels, String> {
+    match kind {
+        PixelKind::Colours => read_chart(open).map(ImagePixels::Colours),
+        PixelKind::Light => read_environment(open).map(ImagePixels::Light),
+        PixelKind::Heights => read_height(open).map(ImagePixels::Heights),
+    }
+}
+
+/// A file of pixels as they are kept, and its ending: what is read from it is the same image.
+pub(super) fn encode_image(pixels: &ImagePixels) -> Result<(Vec<u8>, &'static str), String> {
+    match pixels {
+        ImagePixels::Colours(image) => encode_chart_png(image, &[])
+            .map(|bytes| (bytes, "png"))
+            .map_err(|error| error.to_string()),
+        ImagePixels::Light(image) => encode_environment(image)
+            .map(|bytes| (bytes, "exr"))
+            .map_err(|error| error.to_string()),
+        ImagePixels::Heights(image) => encode_height(image)
+            .map(|bytes| (bytes, "png"))
+            .map_err(|error| error.to_string()),
+    }
 }
 
 fn read_chart<R: BufRead + Seek>(open: impl Fn() -> io::Result<R>) -> Result<ChartImage, String> {
@@ -55,22 +79,6 @@ fn read_chart<R: BufRead + Seek>(open: impl Fn() -> io::Result<R>) -> Result<Cha
     let (width, height) = (pixels.width() as usize, pixels.height() as usize);
     let pixels: Vec<[u8; 4]> = pixels.pixels().map(|pixel| pixel.0).collect();
     ChartImage::new(width, height, &pixels).ok_or_else(|| "has no pixels".into())
-}
-
-/// Reads a height picture: PNG or JPEG, sides up to [`HeightImage::MAX_SIDE`]; 16 bits are kept.
-///
-/// # Errors
-/// As [`load_chart`].
-pub fn load_height(path: &Path) -> Result<HeightImage, FileError> {
-    read_height(|| Ok(BufReader::new(File::open(path)?))).map_err(|what| FileError::Height {
-        path: path.to_owned(),
-        what,
-    })
-}
-
-/// As [`load_height`], of a file's bytes; the error is the end of a sentence about it.
-pub(super) fn decode_height(bytes: &[u8]) -> Result<HeightImage, String> {
-    read_height(|| Ok(Cursor::new(bytes)))
 }
 
 fn read_height<R: BufRead + Seek>(open: impl Fn() -> io::Result<R>) -> Result<HeightImage, String> {
@@ -85,7 +93,7 @@ fn read_height<R: BufRead + Seek>(open: impl Fn() -> io::Result<R>) -> Result<He
 }
 
 /// A PNG of a height picture, 16 bits a pixel.
-pub(super) fn encode_height(picture: &HeightImage) -> Result<Vec<u8>, ImageError> {
+fn encode_height(picture: &HeightImage) -> Result<Vec<u8>, ImageError> {
     let bytes: Vec<u8> = picture
         .greys()
         .iter()
@@ -132,25 +140,6 @@ fn broken(error: ImageError) -> String {
     format!("is broken: {error}")
 }
 
-/// Reads a picture of the surroundings: Radiance HDR or OpenEXR with linear light, or PNG or JPEG, taken as sRGB;
-/// equirectangular, at most [`EnvironmentImage::MAX_WIDTH`] wide.
-///
-/// # Errors
-/// When it cannot be read, is something else, has another proportion, is too large or has pixels that are no numbers.
-pub fn load_environment(path: &Path) -> Result<EnvironmentImage, FileError> {
-    read_environment(|| Ok(BufReader::new(File::open(path)?))).map_err(|what| {
-        FileError::Environment {
-            path: path.to_owned(),
-            what,
-        }
-    })
-}
-
-/// As [`load_environment`], of a file's bytes; the error is the end of a sentence about it.
-pub(super) fn decode_environment(bytes: &[u8]) -> Result<EnvironmentImage, String> {
-    read_environment(|| Ok(Cursor::new(bytes)))
-}
-
 fn read_environment<R: BufRead + Seek + Send>(
     open: impl Fn() -> io::Result<R>,
 ) -> Result<EnvironmentImage, String> {
@@ -161,8 +150,8 @@ fn read_environment<R: BufRead + Seek + Send>(
         _ => return Err("is none of .hdr, .exr, .png and .jpg".into()),
     }
     let (width, height) = reader_of(&open)?.into_dimensions().map_err(broken)?;
-    let told = |fault: EnvironmentFault| fault.to_string();
-    let mut environment = EnvironmentReader::new(width as usize, height as usize).map_err(told)?;
+    let why = |fault: EnvironmentFault| fault.to_string();
+    let mut environment = EnvironmentReader::new(width as usize, height as usize).map_err(why)?;
     let mut limits = Limits::default();
     limits.max_alloc = Some(ENVIRONMENT_MEMORY);
     reader.limits(limits);
@@ -182,7 +171,7 @@ fn read_environment<R: BufRead + Seek + Send>(
             }
         }
     }
-    environment.finish().map_err(told)
+    environment.finish().map_err(why)
 }
 
 /// Channels R, G and B of the first layer that has them; alpha is left out.
@@ -224,8 +213,8 @@ fn read_exr_environment<R: BufRead + Seek + Send>(
         .map_err(|fault| fault.to_string())
 }
 
-/// An EXR of the surroundings as they are kept: what is read from it is the same light.
-pub(super) fn encode_environment(
+/// An EXR of the surroundings as they are kept.
+fn encode_environment(
     environment: &EnvironmentImage,
 ) -> Result<Vec<u8>, renderer_core::image::ImageError> {
     let size = [environment.width() as u32, environment.height() as u32];

@@ -1,18 +1,20 @@
 //! All file reading and writing. Every error names its file; every write is atomic.
 //!
 //! - `preset`: presets, and the images they name
-//! - `images`: charts, nap maps, height pictures and pictures of the surroundings
+//! - `images`: the images of a design, read and encoded
+//! - `image_words`: what they are called, and which files they are
 //! - `bundle`, `zip`: a design and its images in one file
 //! - `embedded`: designs in exported pictures
 //! - `shipped`: the presets that are part of the program
 //! - `pipelines`: what a GPU driver compiled
-//! - `own_images`: charts and nap maps that were painted here
+//! - `own_images`: images that were painted here
 //! - `unsaved`: designs in no file yet, kept for the case that the program dies
 //! - `write`: files that are whole or untouched
 
 mod bundle;
 mod carried;
 mod embedded;
+mod image_words;
 mod images;
 mod outline;
 mod own_images;
@@ -27,13 +29,14 @@ mod zip;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use renderer_core::design::Fault;
 use renderer_core::design::preset::{PresetFault, SetError};
+use renderer_core::design::{Fault, ImageSlot};
 
 pub use bundle::{BUNDLE_ENDING, Packer, is_bundle, save_bundle};
 pub use carried::Carried;
 pub use embedded::{Embedded, carries_design, embedded};
-pub use images::{load_chart, load_environment, load_height, load_nap};
+pub use image_words::{ImageWords, dropped, words};
+pub use images::load_image;
 pub use outline::Outline;
 pub use own_images::OwnImages;
 pub use pipelines::keep_pipelines;
@@ -95,35 +98,13 @@ pub enum FileError {
         /// What is wrong, and what is allowed.
         what: String,
     },
-    /// A chart image cannot be used.
-    #[error("{}: chart image: {what}", .path.display())]
-    Chart {
-        /// The image.
+    /// An image cannot be used.
+    #[error("{}: {}: {what}", .path.display(), words(*.slot).name)]
+    Image {
+        /// The image's file.
         path: PathBuf,
-        /// What is wrong, and what is allowed.
-        what: String,
-    },
-    /// A nap map cannot be used.
-    #[error("{}: nap map: {what}", .path.display())]
-    Nap {
-        /// The image.
-        path: PathBuf,
-        /// What is wrong, and what is allowed.
-        what: String,
-    },
-    /// A height picture cannot be used.
-    #[error("{}: height picture: {what}", .path.display())]
-    Height {
-        /// The image.
-        path: PathBuf,
-        /// What is wrong, and what is allowed.
-        what: String,
-    },
-    /// A picture of the surroundings cannot be used.
-    #[error("{}: environment image: {what}", .path.display())]
-    Environment {
-        /// The image.
-        path: PathBuf,
+        /// What it is to be.
+        slot: ImageSlot,
         /// What is wrong, and what is allowed.
         what: String,
     },

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use renderer_core::design::preset;
+use renderer_core::design::{ImageSlot, preset};
 
 use super::bundle::{is_bundle, read_bundle};
 use super::{Carried, LARGEST_PRESET, Shipped};
@@ -32,9 +32,9 @@ impl Outline {
         };
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut images = Carried::default();
-        let mut design = preset::parse(&text).unwrap_or_default();
-        for name in design.image_paths_mut().into_iter().flatten() {
-            if let Ok(bytes) = fs::read(folder.join(&*name)) {
+        let design = preset::parse(&text).unwrap_or_default();
+        for name in ImageSlot::ALL.iter().filter_map(|slot| slot.path(&design)) {
+            if let Ok(bytes) = fs::read(folder.join(name)) {
                 images.insert(name, bytes);
             }
         }

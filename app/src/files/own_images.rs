@@ -1,66 +1,32 @@
-//! Charts and nap maps that were painted here: each is a PNG of its own beside its preset, which alone uses it. An image that
-//! was imported is never written.
+//! Images that were painted here (charts and nap maps): each is a PNG of its own beside its preset, which alone uses it. An
+//! image that was imported is never written.
 //!
-//! While a design is edited, such an image has pixels and no path (`chart.image` is left out), so that every state of the
-//! history is whole in itself; the path appears in the file alone. The PNG says whose it is in a text chunk.
+//! While a design is edited, such an image has pixels and no path (`chart.image` is left out), so that every state of
+//! the history is whole in itself; the path appears in the file alone. The PNG says whose it is in a text chunk.
 
 use std::fs::{self, File};
 use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use renderer_core::design::{ChartImage, Design};
+use renderer_core::design::{ChartImage, Design, ImagePixels, ImageSlot};
 use renderer_core::image::{encode_chart_png, png_text};
 
-use super::write::write_together;
+use super::image_words::words;
+use super::write::{write_error, write_together};
 use super::{FileError, write_atomically};
-
-/// What is painted here.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Painted {
-    Chart,
-    Nap,
-}
-
-impl Painted {
-    const ALL: [Self; 2] = [Self::Chart, Self::Nap];
-
-    /// Keyword of the text that names the preset an image belongs to.
-    fn keyword(self) -> &'static str {
-        match self {
-            Self::Chart => "Towel Designer chart of",
-            Self::Nap => "Towel Designer nap map of",
-        }
-    }
-
-    /// How its files' names end.
-    fn ending(self) -> &'static str {
-        match self {
-            Self::Chart => "chart",
-            Self::Nap => "nap",
-        }
-    }
-
-    /// Its path and pixels in a design.
-    fn of(self, design: &mut Design) -> (&mut Option<String>, &mut Option<ChartImage>) {
-        match self {
-            Self::Chart => (&mut design.chart.image, &mut design.chart.pixels),
-            Self::Nap => (&mut design.nap.image, &mut design.nap.pixels),
-        }
-    }
-}
 
 /// Most names that are tried for a new file.
 const MOST_NAMES: usize = 1000;
 
 /// The PNGs that belong to a preset.
 #[derive(Debug, Clone, Default)]
-pub struct OwnImages([Option<OwnImage>; 2]);
+pub struct OwnImages(Vec<OwnImage>);
 
 /// A PNG that belongs to a preset, and what it holds.
 #[derive(Debug, Clone)]
 struct OwnImage {
-    painted: Painted,
+    slot: ImageSlot,
     path: PathBuf,
     pixels: ChartImage,
     stamp: Stamp,
@@ -74,9 +40,10 @@ fn stamp(path: &Path) -> io::Result<Stamp> {
     Ok((found.len(), found.modified().ok()))
 }
 
-/// The file name of the preset that an image belongs to, as the image tells it.
-fn owner(painted: Painted, image: &Path) -> Option<String> {
-    png_text(BufReader::new(File::open(image).ok()?), painted.keyword())
+/// The file name of the preset that an image belongs to, as the image says.
+fn owner(slot: ImageSlot, image: &Path) -> Option<String> {
+    let keyword = words(slot).owner_keyword?;
+    png_text(BufReader::new(File::open(image).ok()?), keyword)
 }
 
 fn name_of(file: &Path) -> String {
@@ -95,8 +62,8 @@ pub(super) struct Prepared {
 impl Prepared {
     /// Names them in the design that is to be written.
     pub(super) fn name_in(&self, design: &mut Design) {
-        for own in self.own.0.iter().flatten() {
-            *own.painted.of(design).0 = Some(name_of(&own.path));
+        for own in &self.own.0 {
+            *own.slot.path_mut(design) = Some(name_of(&own.path));
         }
     }
 
@@ -116,7 +83,9 @@ impl Prepared {
             let stamp = stamp(&own.path).ok()?;
             Some(OwnImage { stamp, ..own })
         };
-        Ok(OwnImages(self.own.0.map(|own| own.and_then(stamped))))
+        Ok(OwnImages(
+            self.own.0.into_iter().filter_map(stamped).collect(),
+        ))
     }
 }
 
@@ -124,7 +93,12 @@ impl OwnImages {
     /// Takes those images of a design just read from `preset` for its own that are: from then on their pixels are the
     /// design's.
     pub(super) fn take(design: &mut Design, preset: &Path) -> Self {
-        Self(Painted::ALL.map(|painted| OwnImage::take(painted, design, preset)))
+        let slots = ImageSlot::ALL.into_iter();
+        Self(
+            slots
+                .filter_map(|slot| OwnImage::take(slot, design, preset))
+                .collect(),
+        )
     }
 
     /// Makes those images of a design that is to be written to `preset` ready that were painted here.
@@ -137,30 +111,29 @@ impl OwnImages {
         known: &Self,
     ) -> Result<Prepared, FileError> {
         let mut prepared = Prepared::default();
-        for (slot, painted) in Painted::ALL.into_iter().enumerate() {
-            let mut design = design.clone();
-            let (None, Some(pixels)) = painted.of(&mut design) else {
+        for slot in ImageSlot::ALL {
+            let (Some(keyword), None, Some(ImagePixels::Colours(pixels))) = (
+                words(slot).owner_keyword,
+                slot.path(design),
+                slot.pixels(design),
+            ) else {
                 continue;
             };
-            let known = known.0[slot].as_ref();
-            if let Some(known) = known.filter(|known| known.holds(preset, pixels)) {
-                prepared.own.0[slot] = Some(known.clone());
+            let known = known.0.iter().find(|known| known.slot == slot);
+            if let Some(known) = known.filter(|known| known.holds(preset, &pixels)) {
+                prepared.own.0.push(known.clone());
                 continue;
             }
-            let failed = |path: &Path, source| FileError::Write {
-                path: path.to_owned(),
-                source,
-            };
-            let path = free_name(painted, preset, known).ok_or_else(|| {
-                let what = format!("no name for its {} is free", painted.ending());
-                failed(preset, io::Error::other(what))
+            let path = free_name(slot, preset, known).ok_or_else(|| {
+                let what = format!("no name for its {} is free", words(slot).file_stem);
+                write_error(preset, io::Error::other(what))
             })?;
-            let bytes = encode_chart_png(pixels, &[(painted.keyword(), &name_of(preset))])
-                .map_err(|error| failed(&path, io::Error::other(error)))?;
-            prepared.own.0[slot] = Some(OwnImage {
-                painted,
+            let bytes = encode_chart_png(&pixels, &[(keyword, &name_of(preset))])
+                .map_err(|error| write_error(&path, io::Error::other(error)))?;
+            prepared.own.0.push(OwnImage {
+                slot,
                 path: path.clone(),
-                pixels: pixels.clone(),
+                pixels,
                 stamp: Stamp::default(),
             });
             prepared.new.push((path, bytes));
@@ -170,30 +143,30 @@ impl OwnImages {
 }
 
 impl OwnImage {
-    fn take(painted: Painted, design: &mut Design, preset: &Path) -> Option<Self> {
-        let (image, pixels) = painted.of(design);
-        let path = preset
-            .parent()
-            .unwrap_or(Path::new(""))
-            .join(image.as_ref()?);
-        if owner(painted, &path)? != name_of(preset) {
+    fn take(slot: ImageSlot, design: &mut Design, preset: &Path) -> Option<Self> {
+        let folder = preset.parent().unwrap_or(Path::new(""));
+        let path = folder.join(slot.path(design)?);
+        if owner(slot, &path)? != name_of(preset) {
             return None;
         }
-        let own = Self {
-            painted,
-            stamp: stamp(&path).ok()?,
-            pixels: pixels.clone()?,
-            path,
+        let Some(ImagePixels::Colours(pixels)) = slot.pixels(design) else {
+            return None;
         };
-        *image = None;
-        Some(own)
+        let stamp = stamp(&path).ok()?;
+        *slot.path_mut(design) = None;
+        Some(Self {
+            slot,
+            path,
+            pixels,
+            stamp,
+        })
     }
 
     /// Whether the file still holds these pixels for this preset.
     fn holds(&self, preset: &Path, pixels: &ChartImage) -> bool {
         self.path.parent() == preset.parent()
             && self.is_untouched()
-            && owner(self.painted, &self.path).is_some_and(|owner| owner == name_of(preset))
+            && owner(self.slot, &self.path).is_some_and(|owner| owner == name_of(preset))
             && self.pixels == *pixels
     }
 
@@ -202,11 +175,11 @@ impl OwnImage {
     }
 }
 
-/// A name beside `preset` that is free or belongs to it: `NAME-chart.png`, `NAME-chart-2.png` and so on. What the preset's
-/// image was written to before is only used again if nobody else has written there since.
-fn free_name(painted: Painted, preset: &Path, known: Option<&OwnImage>) -> Option<PathBuf> {
+/// A name beside `preset` that is free or belongs to it: `NAME-chart.png`, `NAME-chart-2.png` and so on. What the
+/// preset's image was written to before is only used again if nobody else has written there since.
+fn free_name(slot: ImageSlot, preset: &Path, known: Option<&OwnImage>) -> Option<PathBuf> {
     let stem = preset.file_stem().unwrap_or_default().to_string_lossy();
-    let ending = painted.ending();
+    let ending = words(slot).file_stem;
     (1..=MOST_NAMES)
         .map(|k| match k {
             1 => preset.with_file_name(format!("{stem}-{ending}.png")),
@@ -216,7 +189,7 @@ fn free_name(painted: Painted, preset: &Path, known: Option<&OwnImage>) -> Optio
             if fs::symlink_metadata(path).is_err() {
                 return true;
             }
-            let is_ours = owner(painted, path).is_some_and(|owner| owner == name_of(preset));
+            let is_ours = owner(slot, path).is_some_and(|owner| owner == name_of(preset));
             let is_touched =
                 known.is_some_and(|known| known.path == *path && !known.is_untouched());
             is_ours && !is_touched

@@ -14,8 +14,8 @@ const MAGIC: &[u8; 8] = b"towelpl1";
 /// A driver's pipelines are some hundred kB each; files larger than this are not ours.
 const LARGEST: u64 = 256 << 20;
 
-/// Starts a device from the pipelines kept in `folder`, and keeps there what it makes. Never fails: at worst everything is
-/// compiled anew.
+/// Starts a device from the pipelines kept in `folder`, and keeps there what it makes. Never fails: at worst everything
+/// is compiled anew.
 pub fn keep_pipelines(context: GpuContext, folder: &Path) -> GpuContext {
     let Some(name) = context.pipelines_name() else {
         return context;

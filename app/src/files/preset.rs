@@ -2,19 +2,17 @@
 
 use std::fs;
 use std::io;
-use std::path::{Component, Path};
+use std::path::{Component, Path, PathBuf};
 
 use renderer_core::design::preset::{self, PresetFault};
-use renderer_core::design::{Design, EnvironmentKind, FormKind};
+use renderer_core::design::{Design, ImagePixels, ImageSlot};
 
 use super::bundle::{Image, PRESET, Packer, is_bundle, read_bundle, save_bundle};
 use super::embedded::{is_png, read_embedded};
-use super::images::{decode_chart, decode_environment, decode_height};
+use super::image_words::words;
+use super::images::{decode_image, load_image};
 use super::own_images::OwnImages;
-use super::{
-    Carried, FileError, LARGEST_PRESET, load_chart, load_environment, load_height, load_nap,
-    write_atomically,
-};
+use super::{Carried, FileError, LARGEST_PRESET, write_atomically};
 
 /// What a design was read from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,7 +48,8 @@ pub fn load_design(path: &Path) -> Result<Design, FileError> {
     load_design_with(path, &[])
 }
 
-/// As [`load_design`], with fields set to other values (paths and values as on the command line) before images are read.
+/// As [`load_design`], with fields set to other values (paths and values as on the command line) before images are
+/// read.
 ///
 /// # Errors
 /// As [`load_design`], or when a field cannot be set.
@@ -66,8 +65,8 @@ pub fn open_design(path: &Path) -> Result<Opened, FileError> {
     open_design_with(path, &[])
 }
 
-/// As [`open_design`], for editing: images that were painted here are the design's own again, without a path. Also what is
-/// known of their files, for [`save_edited`].
+/// As [`open_design`], for editing: images that were painted here are the design's own again, without a path. Also what
+/// is known of their files, for [`save_edited`].
 ///
 /// # Errors
 /// As [`load_design`].
@@ -115,111 +114,64 @@ impl<'a> Source<'a> {
 
     /// Reads the text and the images it names.
     pub(super) fn open(self, text: &str, sets: &[(String, String)]) -> Result<Opened, FileError> {
-        let told = match self.origin {
-            Origin::Bundle => self.path.join(PRESET),
-            _ => self.path.to_owned(),
-        };
-        let mut design = preset::parse(text).map_err(|faults| FileError::Preset {
-            path: told.clone(),
-            faults,
-        })?;
+        let (mut design, mut warnings) = self.parse(text)?;
         for (field, value) in sets {
             design = preset::set(&design, field, value)?;
         }
         if let Some(fault) = design.faults().into_iter().next() {
-            return Err(FileError::Together { path: told, fault });
+            let path = self.path_of_text();
+            return Err(FileError::Together { path, fault });
         }
         let mut faults = Vec::new();
-        let mut warnings = Vec::new();
-        let mut failed = |field: &str, message: String| {
-            let (line, column) = preset::position_of(text, field);
-            faults.push(PresetFault {
-                line,
-                column,
-                path: field.into(),
-                message: format!("{field}: {message}"),
-            });
-        };
-        // A file that was asked for on the command line is one, and the preset is not to blame for it.
-        let is_set = |field: &str| sets.iter().any(|(set, _)| set == field);
-        let left_out = |what: &str, why: &str| {
-            format!("{}: opened without its {what}: {why}", self.path.display())
-        };
+        for slot in ImageSlot::ALL {
+            // A file that was asked for on the command line is one, and the preset is not to blame for it.
+            let is_set = sets.iter().any(|(set, _)| set == slot.field());
+            let Some(image) = slot.path(&design) else {
+                continue;
+            };
+            match self.read_image(slot, image, self.folder_of_images(is_set)) {
+                Ok(pixels) => slot.set_pixels(&mut design, Some(pixels)),
+                Err(ReadError::File(error)) if is_set => return Err(error),
+                Err(error) if self.origin == Origin::Picture => {
+                    let (path, name) = (self.path.display(), words(slot).name);
+                    warnings.push(format!("{path}: opened without its {name}: {error}"));
+                    slot.leave_out(&mut design);
+                }
+                Err(error) => faults.push(fault_at(text, slot.field(), &error)),
+            }
+        }
+        if !faults.is_empty() {
+            faults.sort_by_key(|fault| (fault.line, fault.column));
+            let path = self.path_of_text();
+            return Err(FileError::Preset { path, faults });
+        }
+        Ok(Opened {
+            design,
+            carried: self.carried,
+            origin: self.origin,
+            warnings,
+        })
+    }
 
-        let field = "chart.image";
-        if let Some(image) = &design.chart.image {
-            let folder = self.folder_of_images(is_set(field));
-            let read = self.read_image(image, folder, decode_chart, load_chart);
-            match read {
-                Ok(pixels) => design.chart.pixels = Some(pixels),
-                Err(ReadError::File(error)) if is_set(field) => return Err(error),
-                Err(error) if self.origin == Origin::Picture => {
-                    warnings.push(left_out("chart image", &error.to_string()));
-                    design.chart.image = None;
-                }
-                Err(error) => failed(field, error.to_string()),
+    /// The design that the text says, without its images, and what of the text means nothing any more.
+    fn parse(&self, text: &str) -> Result<(Design, Vec<String>), FileError> {
+        let path = self.path_of_text();
+        match preset::parse_noting(text) {
+            Ok((design, notes)) => {
+                let place = path.display();
+                let warnings = notes.iter().map(|note| format!("{place}:{note}"));
+                Ok((design, warnings.collect()))
             }
+            Err(faults) => Err(FileError::Preset { path, faults }),
         }
-        let field = "light.environment.image";
-        if let Some(image) = &design.light.environment.image {
-            let folder = self.folder_of_images(is_set(field));
-            let read = self.read_image(image, folder, decode_environment, load_environment);
-            let environment = &mut design.light.environment;
-            match read {
-                Ok(pixels) => environment.pixels = Some(pixels),
-                Err(ReadError::File(error)) if is_set(field) => return Err(error),
-                Err(error) if self.origin == Origin::Picture => {
-                    warnings.push(left_out("image of the surroundings", &error.to_string()));
-                    environment.image = None;
-                    if environment.kind == EnvironmentKind::Image {
-                        environment.kind = EnvironmentKind::Constant;
-                    }
-                }
-                Err(error) => failed(field, error.to_string()),
-            }
+    }
+
+    /// The file that messages about the text name.
+    fn path_of_text(&self) -> PathBuf {
+        match self.origin {
+            Origin::Bundle => self.path.join(PRESET),
+            Origin::Preset | Origin::Picture | Origin::Program => self.path.to_owned(),
         }
-        let field = "nap.image";
-        if let Some(image) = &design.nap.image {
-            let folder = self.folder_of_images(is_set(field));
-            let read = self.read_image(image, folder, decode_chart, load_nap);
-            match read {
-                Ok(pixels) => design.nap.pixels = Some(pixels),
-                Err(ReadError::File(error)) if is_set(field) => return Err(error),
-                Err(error) if self.origin == Origin::Picture => {
-                    warnings.push(left_out("nap map", &error.to_string()));
-                    design.nap.image = None;
-                }
-                Err(error) => failed(field, error.to_string()),
-            }
-        }
-        let field = "form.image";
-        if let Some(image) = &design.form.image {
-            let folder = self.folder_of_images(is_set(field));
-            let read = self.read_image(image, folder, decode_height, load_height);
-            let form = &mut design.form;
-            match read {
-                Ok(pixels) => form.pixels = Some(pixels),
-                Err(ReadError::File(error)) if is_set(field) => return Err(error),
-                Err(error) if self.origin == Origin::Picture => {
-                    warnings.push(left_out("height picture", &error.to_string()));
-                    form.image = None;
-                    if form.kind == FormKind::Height {
-                        form.kind = FormKind::Flat;
-                    }
-                }
-                Err(error) => failed(field, error.to_string()),
-            }
-        }
-        if faults.is_empty() {
-            return Ok(Opened {
-                design,
-                carried: self.carried,
-                origin: self.origin,
-                warnings,
-            });
-        }
-        faults.sort_by_key(|fault| (fault.line, fault.column));
-        Err(FileError::Preset { path: told, faults })
     }
 
     /// Where paths of images start; `None` where only what is carried counts.
@@ -232,28 +184,39 @@ impl<'a> Source<'a> {
         }
     }
 
-    fn read_image<T>(
+    fn read_image(
         &self,
+        slot: ImageSlot,
         image: &str,
         folder: Option<&Path>,
-        decode: impl FnOnce(&[u8]) -> Result<T, String>,
-        load: impl FnOnce(&Path) -> Result<T, FileError>,
-    ) -> Result<T, ReadError> {
+    ) -> Result<ImagePixels, ReadError> {
         if let Some(folder) = folder {
-            return load(&folder.join(image)).map_err(ReadError::File);
+            return load_image(slot, &folder.join(image)).map_err(ReadError::File);
         }
         if let Some(bytes) = self.carried.get(image) {
-            return decode(bytes).map_err(|what| ReadError::Carried(format!("{image} {what}")));
+            return decode_image(slot, bytes)
+                .map_err(|what| ReadError::Carried(format!("{image} {what}")));
         }
         // What a picture does not take along, it names by its whole path.
         if self.origin == Origin::Picture && Path::new(image).is_absolute() {
-            return load(Path::new(image)).map_err(ReadError::File);
+            return load_image(slot, Path::new(image)).map_err(ReadError::File);
         }
         let what = match self.origin {
             Origin::Bundle => "the bundle does not hold it, and files outside are not read",
             _ => "it is not there",
         };
         Err(ReadError::Carried(format!("{image}: {what}")))
+    }
+}
+
+/// What is wrong with a field, where the text has it.
+fn fault_at(text: &str, field: &str, error: &ReadError) -> PresetFault {
+    let (line, column) = preset::position_of(text, field);
+    PresetFault {
+        line,
+        column,
+        path: field.into(),
+        message: format!("{field}: {error}"),
     }
 }
 
@@ -300,8 +263,8 @@ pub fn save(
     save_edited(design, carried, to, from, &OwnImages::default()).map(drop)
 }
 
-/// As [`save`]. An image that was painted here (it has pixels and no path) goes to a PNG of its own beside the preset, unless
-/// `known` says that it is there; returned is what is known of them afterwards.
+/// As [`save`]. An image that was painted here (it has pixels and no path) goes to a PNG of its own beside the preset,
+/// unless `known` says that it is there; returned is what is known of them afterwards.
 ///
 /// # Errors
 /// As [`save`].
@@ -347,46 +310,22 @@ fn save_preset(
     let new_folder = to.parent().unwrap_or(Path::new(""));
     let moved = from.and_then(Path::parent) != to.parent();
     let mut written = design.clone();
-    let has_pixels = [
-        design.chart.pixels.is_some(),
-        design.light.environment.pixels.is_some(),
-        design.nap.pixels.is_some(),
-        design.form.pixels.is_some(),
-    ];
-    let mut lost = [false; 4];
-    let paths = written.image_paths_mut().into_iter();
-    for ((path, has_pixels), lost) in paths.zip(has_pixels).zip(&mut lost) {
-        let Some(path) = path else { continue };
+    let mut packer = Packer::default();
+    for slot in ImageSlot::ALL {
+        let Some(path) = slot.path_mut(&mut written) else {
+            continue;
+        };
         let is_carried = carried.get(path).is_some();
         let file = old_folder.join(&*path);
         if !is_carried && (moved || file.is_absolute()) {
             *path = image_path_from(to, &file);
         }
-        *lost = has_pixels && (is_carried || !new_folder.join(&*path).is_file());
-    }
-    let mut packer = Packer::default();
-    if lost[0] {
-        let image = packer.chart(design, carried, old_folder).map_err(failed)?;
-        if let Some((image, _)) = image {
-            written.chart.image = Some(write_beside(to, &image)?);
+        if !is_carried && new_folder.join(&*path).is_file() {
+            continue;
         }
-    }
-    if lost[1] {
-        let image = packer.environment(design, carried, old_folder);
+        let image = packer.image(slot, design, carried, old_folder);
         if let Some((image, _)) = image.map_err(failed)? {
-            written.light.environment.image = Some(write_beside(to, &image)?);
-        }
-    }
-    if lost[2] {
-        let image = packer.nap(design, carried, old_folder).map_err(failed)?;
-        if let Some((image, _)) = image {
-            written.nap.image = Some(write_beside(to, &image)?);
-        }
-    }
-    if lost[3] {
-        let image = packer.height(design, carried, old_folder).map_err(failed)?;
-        if let Some((image, _)) = image {
-            written.form.image = Some(write_beside(to, &image)?);
+            *path = write_beside(to, &image)?;
         }
     }
     let own = OwnImages::prepare(design, to, known)?;

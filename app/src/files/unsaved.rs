@@ -8,10 +8,11 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use renderer_core::design::Design;
+use renderer_core::design::{Design, ImageSlot};
 use serde::{Deserialize, Serialize};
 
 use super::bundle::{BUNDLE_ENDING, Packer, unpack};
+use super::image_words::words;
 use super::preset::Source;
 use super::zip::Archive;
 use super::{Carried, FileError, Origin, Stamp, write_atomically};
@@ -46,11 +47,10 @@ struct About {
     path: Option<Vec<u8>>,
     name: Option<String>,
     stamp: Option<Stamp>,
-    /// Whether the chart was painted here: then it has no file of its own to be named by.
-    chart_is_own: bool,
-    /// The same of the nap map.
+    /// Fields of images that were painted here: they have no file of their own to be named by. Where an earlier program
+    /// has not written this, they keep the names that they have in the bundle.
     #[serde(default)]
-    nap_is_own: bool,
+    own_images: Vec<String>,
 }
 
 /// The place where a window keeps its unsaved design.
@@ -92,8 +92,12 @@ impl AutosaveFile {
             path: unsaved.path.as_deref().map(bytes_of),
             name: unsaved.name.clone(),
             stamp: unsaved.stamp,
-            chart_is_own: unsaved.design.chart.image.is_none(),
-            nap_is_own: unsaved.design.nap.image.is_none(),
+            own_images: ImageSlot::ALL
+                .iter()
+                .filter(|slot| words(**slot).owner_keyword.is_some())
+                .filter(|slot| slot.path(&unsaved.design).is_none())
+                .map(|slot| slot.field().to_owned())
+                .collect(),
         };
         let about = serde_json::to_vec(&about).map_err(|error| error.to_string())?;
         let archive = packed.archive_with(Some((ABOUT, &about)))?;
@@ -190,11 +194,10 @@ impl RecoveryFile {
         let unpacked = unpack(&bytes).map_err(broken)?;
         let source = Source::new(path, Origin::Bundle, unpacked.carried);
         let mut opened = source.open(&unpacked.text, &[])?;
-        if about.chart_is_own {
-            opened.design.chart.image = None;
-        }
-        if about.nap_is_own {
-            opened.design.nap.image = None;
+        for slot in ImageSlot::ALL {
+            if about.own_images.iter().any(|field| field == slot.field()) {
+                *slot.path_mut(&mut opened.design) = None;
+            }
         }
         Ok(Unsaved {
             design: opened.design,
@@ -231,7 +234,7 @@ fn lock(path: &Path) -> Option<File> {
         .ok()?;
     match file.try_lock() {
         Err(TryLockError::WouldBlock) => None,
-        // A file system without locks: nobody can be told apart, and nothing should be lost.
+        // A file system without locks: no one can be distinguished, and nothing should be lost.
         Ok(()) | Err(TryLockError::Error(_)) => Some(file),
     }
 }

@@ -44,8 +44,8 @@ fn replace(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) ->
     sync_folder(&target)
 }
 
-/// Writes several files: all of them reach the disk before the first replaces its old one, so that a full disk leaves all
-/// as they were.
+/// Writes several files: all of them reach the disk before the first replaces its old one, so that a full disk leaves
+/// all as they were.
 ///
 /// # Errors
 /// When a directory or the disk refuses.
@@ -78,8 +78,8 @@ pub fn write_together(files: &[(&Path, &[u8])]) -> Result<(), FileError> {
     Ok(())
 }
 
-/// A file in the making, for what takes long to make: nameless on the disk that it will be on, so that whatever ends the
-/// program leaves nothing behind.
+/// A file in the making, for what takes long to make: nameless on the disk that it will be on, so that whatever ends
+/// the program leaves nothing behind.
 pub struct Draft {
     file: BufWriter<fs::File>,
     path: PathBuf,

@@ -2,16 +2,16 @@
 
 use renderer_core::image::EXR_BLOCK_ROWS;
 
-/// Most bytes that the sums and the picture of a band take unless told otherwise.
+/// Most bytes that the sums and the picture of a band take unless given otherwise.
 pub const BAND_BYTES: u64 = 512 << 20;
 
-/// Bytes of a pixel while it is made: its sums (64 on the processor), what is shown of it (16), and some room for what is
-/// encoded of it.
+/// Bytes of a pixel while it is made: its sums (64 on the processor), what is shown of it (16), and some room for what
+/// is encoded of it.
 const PIXEL_BYTES: u64 = 96;
-/// The same with depth, normal and albedo.
+/// Bytes of a pixel while it is made with depth, normal and albedo.
 const PIXEL_BYTES_WITH_AOV: u64 = 208;
-/// Heights of bands are multiples of this: of the renderers' tiles, so that rays have the same bits as in one band, and of
-/// the blocks of EXR files.
+/// Heights of bands are multiples of this: of the renderers' tiles, so that rays have the same bits as in one band, and
+/// of the blocks of EXR files.
 const STEP: u32 = EXR_BLOCK_ROWS;
 
 /// The rows of a picture, from top to bottom.

@@ -3,8 +3,8 @@
 //! A picture whose sums would not fit into memory (or onto the device) is made in bands, whole rows from top to bottom,
 //! each rendered to its end and written before the next begins. The samples of a pixel depend on its place in the whole
 //! picture alone, so a picture that stops at a number of samples has the same bits in any number of bands. The other
-//! stops are shared out: each band stops at the estimated error by itself, and of the time each gets what its rows are of
-//! all rows, with what the bands before it left over.
+//! stops are shared out: each band stops at the estimated error by itself, and of the time each gets what its rows are
+//! of all rows, with what the bands before it left over.
 //!
 //! Nothing has the file's name before everything is in it.
 
@@ -39,7 +39,7 @@ pub enum Format {
 
 /// A picture to make.
 #[derive(Debug, Clone)]
-pub struct Order {
+pub struct PictureOrder {
     /// The cloth and its light, and from where it is seen.
     pub view: LodView,
     /// Width and height of the whole picture, pixels.
@@ -133,7 +133,7 @@ const LOOK: Duration = Duration::from_millis(5);
 /// # Errors
 /// When the backend or the file refuses, or `cancel` becomes true; an old file is untouched then.
 pub fn make(
-    order: &Order,
+    order: &PictureOrder,
     backend: &mut dyn Backend,
     path: &Path,
     cancel: &AtomicBool,
@@ -198,7 +198,7 @@ pub fn make(
 
 /// What is needed from band to band.
 struct Work<'a> {
-    order: &'a Order,
+    order: &'a PictureOrder,
     backend: &'a mut dyn Backend,
     cancel: &'a AtomicBool,
     bands: Bands,
@@ -268,27 +268,27 @@ impl Work<'_> {
         rendered
     }
 
-    /// Waits until the band begun can be drawn. A driver may compile for many seconds, in which nobody should have to wait
-    /// who wants the picture no longer.
+    /// Waits until the band begun can be drawn. A driver may compile for many seconds, in which nobody should have to
+    /// wait who wants the picture no longer.
     fn wait_for_device(
         &mut self,
         crop: [u32; 4],
         tell: &mut impl FnMut(&Standing),
     ) -> Result<(), Failure> {
         let [share, _] = self.bands.shares(crop);
-        let mut told = None::<Instant>;
+        let mut reported = None::<Instant>;
         while !self.backend.is_ready()? {
             if self.cancel.load(Ordering::Relaxed) {
                 return Err(Failure::Cancelled);
             }
-            if told.is_none_or(|told| told.elapsed() >= SLICE) {
+            if reported.is_none_or(|then| then.elapsed() >= SLICE) {
                 tell(&Standing {
                     share,
                     band: [self.made.bands + 1, self.bands.count()],
                     waits_for_device: true,
                     ..Standing::default()
                 });
-                told = Some(Instant::now());
+                reported = Some(Instant::now());
             }
             std::thread::sleep(LOOK);
         }

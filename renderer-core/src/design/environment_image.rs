@@ -58,7 +58,8 @@ pub enum EnvironmentFault {
 impl EnvironmentImage {
     /// Most pixels in a row of a file.
     pub const MAX_WIDTH: usize = 8192;
-    /// Most pixels in a row that are kept: a third of a degree each, far finer than light that a pile scatters can show.
+    /// Most pixels in a row that are kept: a third of a degree each, far finer than light that a pile scatters can
+    /// show.
     pub const KEPT_WIDTH: usize = 1024;
     /// The brightest that a pixel may be; brighter ones, infinite ones too, are made this bright. A noon sun is about
     /// 10⁵ times as bright as its sky, and sums of this many thousands of it are still finite in f32.
@@ -103,8 +104,8 @@ impl EnvironmentImage {
         &self.light
     }
 
-    /// This picture, which renderers look at by the phase alone however uneven its light: what looking by its light is held
-    /// against.
+    /// This picture as one that renderers look at by the phase alone however uneven its light: what looking by its light
+    /// is held against.
     pub fn drawn_by_phase(&self) -> Self {
         Self {
             light: self.light.taken_as_even(),

@@ -20,7 +20,7 @@ pub struct Field {
     pub max: f64,
     /// True where only whole numbers are allowed.
     pub integer: bool,
-    /// What the number does to the cloth, as told to a designer.
+    /// What the number does to the cloth, in words for a designer.
     pub what: &'static str,
 }
 
@@ -125,10 +125,16 @@ macro_rules! section {
         $(#[$meta:meta])*
         $name:ident, $fields:ident {
             numbers {
-                $( $(#[doc = $doc:literal])+ $number:ident: $type:ty = $default:expr, $min:literal ..= $max:literal, $unit:literal; )*
+                $(
+                    $(#[doc = $doc:literal])+
+                    $number:ident: $type:ty = $default:expr, $min:literal ..= $max:literal, $unit:literal;
+                )*
             }
             others {
-                $( $(#[doc = $other_doc:literal])+ $(#[serde($($serde:tt)+)])? $other:ident: $other_type:ty = $other_default:expr; )*
+                $(
+                    $(#[doc = $other_doc:literal])+ $(#[serde($($serde:tt)+)])?
+                    $other:ident: $other_type:ty = $other_default:expr;
+                )*
             }
         }
     ) => {
@@ -149,7 +155,10 @@ macro_rules! section {
         #[doc = concat!("The field table of [`", stringify!($name), "`].")]
         #[derive(Debug)]
         pub struct $fields {
-            $( #[doc = concat!("Range, unit and meaning of `", stringify!($number), "`.")] pub $number: $crate::design::Field, )*
+            $(
+                #[doc = concat!("Range, unit and meaning of `", stringify!($number), "`.")]
+                pub $number: $crate::design::Field,
+            )*
         }
 
         impl $name {

@@ -15,8 +15,8 @@ impl HeightImage {
     /// Largest width and height in pixels.
     pub const MAX_SIDE: usize = 8192;
 
-    /// A picture of rows of grey values from black, 0, to white, 65535; top row first. `None` unless there are `width` ×
-    /// `height` of them, with sides of 1 to [`Self::MAX_SIDE`].
+    /// A picture of rows of grey values from black, 0, to white, 65535; top row first. `None` unless there are `width`
+    /// × `height` of them, with sides of 1 to [`Self::MAX_SIDE`].
     pub fn new(width: usize, height: usize, greys: Vec<u16>) -> Option<Self> {
         let sides = 1..=Self::MAX_SIDE;
         let is_whole = width.checked_mul(height) == Some(greys.len());

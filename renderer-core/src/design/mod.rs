@@ -11,22 +11,24 @@ mod environment_image;
 mod fields;
 mod form;
 mod height_image;
+mod image_slot;
 pub mod nap_edit;
 mod pattern;
 pub mod preset;
-mod ready_patterns;
 mod sections;
 mod shape;
+mod weave_library;
 
 pub use chart_image::{ChartImage, OPAQUE_FROM, TILE, Tile};
 pub use colour::{Colour, linear_to_srgb, srgb_to_linear};
 pub use environment_image::{EnvironmentFault, EnvironmentImage, EnvironmentReader};
 pub use fields::{Fault, Field, Numbers, Warning};
 pub use height_image::HeightImage;
+pub use image_slot::{ImagePixels, ImageSlot, PixelKind};
 pub use pattern::{Anchor, Keep, NewCells, Pattern, STITCHES, Stitch};
-pub use ready_patterns::{READY_PATTERNS, ReadyPattern};
 pub use sections::*;
 pub use shape::{Entry, Shape, Shaped};
+pub use weave_library::{LibraryWeave, WEAVE_LIBRARY};
 
 use serde::{Deserialize, Serialize};
 
@@ -202,7 +204,8 @@ impl Design {
                     path: format!("light.area[{index}].distance"),
                     value: area.distance.to_string(),
                     allowed: format!(
-                        "at least {nearest} mm from azimuth {}° and elevation {}°, so that the whole cloth is before the light",
+                        "at least {nearest} mm from azimuth {}° and elevation {}°, so that the whole cloth is \
+                         before the light",
                         area.azimuth, area.elevation
                     ),
                 });
@@ -229,16 +232,6 @@ impl Design {
         (along * across + up).ceil()
     }
 
-    /// The paths of the images that the design names, which files write relative to themselves.
-    pub fn image_paths_mut(&mut self) -> [&mut Option<String>; 4] {
-        [
-            &mut self.chart.image,
-            &mut self.light.environment.image,
-            &mut self.nap.image,
-            &mut self.form.image,
-        ]
-    }
-
     /// The farthest that any part of a loop can be from its cell's centre, mm.
     pub fn reach_mm(&self) -> f64 {
         let longest =
@@ -260,7 +253,8 @@ impl Design {
         let limit = 0.5 / self.sheet.pitch_x().max(self.sheet.pitch_y());
         if highest > limit {
             let text = format!(
-                "the highest turbulence octave has {highest:.2} cycles/mm, above {limit:.2}, half a cycle a cell: neighbouring loops look unrelated"
+                "the highest turbulence octave has {highest:.2} cycles/mm, above {limit:.2}, half a cycle a cell: \
+                 neighbouring loops look unrelated"
             );
             warnings.push(Warning::new("turbulence.frequency", text));
         }

@@ -1,5 +1,6 @@
-//! Nap maps: which way the pile lies, as red and green of an image, as tangent-space normal maps write directions: 128 is
-//! none, 255 all the way to the right (red) and away from the near edge (green). Combing and smoothing them, and ready ones.
+//! Nap maps: which way the pile lies, as red and green of an image, as tangent-space normal maps write directions: 128
+//! is none, 255 all the way to the right (red) and away from the near edge (green). Combing and smoothing them, and
+//! ready ones.
 //!
 //! Directions here are right and up in the image, each from −1 to 1; pixels count from the upper left.
 
@@ -102,8 +103,8 @@ fn pixel_mm(map: &ChartImage, sheet: &Sheet) -> [f64; 2] {
     ]
 }
 
-/// How much smaller than in life marks are drawn on a sheet: one of a few footprints shows it is a small carpet, a part of one
-/// shows nothing.
+/// How much smaller than in life marks are drawn on a sheet: one of a few footprints shows it is a small carpet, a part
+/// of one shows nothing.
 fn shrunk(sheet: &Sheet) -> f64 {
     let size = [
         f64::from(sheet.warps) * sheet.pitch_x(),
@@ -138,15 +139,16 @@ pub fn stripes(map: &ChartImage, sheet: &Sheet) -> ChartImage {
     ChartImage::from_fn(map.width(), map.height(), striped).unwrap_or_else(|| map.clone())
 }
 
-/// The map with two steps of somebody who has walked over the pile, away from the near edge: within a sole the pile is pushed
-/// back, against the step, and out at the edges.
+/// The map with two steps of somebody who has walked over the pile, away from the near edge: within a sole the pile is
+/// pushed back, against the step, and out at the edges.
 pub fn footprints(map: &ChartImage, sheet: &Sheet) -> ChartImage {
     let mm = pixel_mm(map, sheet);
     let size = [map.width() as f64 * mm[0], map.height() as f64 * mm[1]];
     let scale = shrunk(sheet);
     let prints =
         [([-0.11, 0.19], 0.10), ([0.09, -0.24], -0.07)].map(|(place, turn): ([f64; 2], f64)| {
-            // Places in lengths of a sole from the middle of the map, up and to the right; turns in radians to the outside.
+            // Places in lengths of a sole from the middle of the map, up and to the right; turns in radians to the
+            // outside.
             let middle = [
                 0.5 * size[0] + place[0] * 2.4 * SOLE_MM[0] * scale,
                 0.5 * size[1] - place[1] * 2.4 * SOLE_MM[0] * scale,
@@ -177,8 +179,8 @@ pub fn footprints(map: &ChartImage, sheet: &Sheet) -> ChartImage {
     ChartImage::from_fn(map.width(), map.height(), trodden).unwrap_or_else(|| map.clone())
 }
 
-/// How far within a sole a place is, mm across (to the outside of the foot) and along from its middle: 0 outside to 1, and how
-/// near its edge, 0 to 1.
+/// How far within a sole a place is, mm across (to the outside of the foot) and along from its middle: 0 outside to 1,
+/// and how near its edge, 0 to 1.
 fn sole([across, along]: [f64; 2]) -> (f64, f64) {
     let t = along / SOLE_MM[0] + 0.5;
     if !(0.0..=1.0).contains(&t) {

@@ -26,10 +26,11 @@ section! {
 }
 
 impl Sheet {
-    /// Most crossings of warps and wefts that a sheet may have: a carpet of twenty by twenty metres at ten loops a centimetre.
+    /// Most crossings of warps and wefts that a sheet may have: a carpet of twenty by twenty metres at ten loops a
+    /// centimetre.
     pub const MAX_CELLS: f64 = 4e8;
-    /// Most crossings that are made at once: a carpet of four by four metres. With loops on both faces of every crossing the scene
-    /// and its frames take some 10 GB.
+    /// Most crossings that are made at once: a carpet of four by four metres. With loops on both faces of every
+    /// crossing the scene and its frames take some 10 GB.
     pub const MAX_CELLS_AT_ONCE: f64 = 16e6;
     /// Farthest that a loop may reach, in cells: what a cell list entry can address.
     pub const MAX_REACH_CELLS: f64 = 60.0;
@@ -75,7 +76,7 @@ fn snake_case(variant: &str) -> String {
     name
 }
 
-/// Declares an enum whose variants are written in files in lower case with underscores, or as told after `written`, and
+/// Declares an enum whose variants are written in files in lower case with underscores, or as given after `written`, and
 /// listed for menus.
 macro_rules! choice {
     (@name $variant:ident) => { snake_case(stringify!($variant)) };
@@ -133,7 +134,8 @@ section! {
     Weave, WeaveFields {
         numbers {}
         others {
-            /// The repeat: 0 weft over, 1 warp over, 7 loop on the front, 8 on the back, 9 on both. Row 0 is the near edge.
+            /// The repeat: 0 weft over, 1 warp over, 7 loop on the front, 8 on the back, 9 on both. Row 0 is the near
+            /// edge.
             pattern: Pattern = terry_checker();
             /// What stands on the back.
             back: Back = Back::Mirror;
@@ -156,8 +158,8 @@ choice! {
         Stretch = "stretch",
         /// One pixel is one crossing; the chart repeats.
         Tile = "tile",
-        /// One pixel is one crossing; the chart lies on the cloth once. Around it, and where it is transparent, the cloth
-        /// has its own colour.
+        /// One pixel is one crossing; the chart lies on the cloth once. Around it, and where it is transparent, the
+        /// cloth has its own colour.
         Place = "place once",
     }
 }
@@ -183,7 +185,8 @@ section! {
             mirror_y: bool = false;
             /// When tiling: every second column of repeats is shifted by half a repeat.
             half_drop: bool = false;
-            /// Colour of all loops where there is no image, also around one that is placed: what the finished cloth reflects.
+            /// Colour of all loops where there is no image, also around one that is placed: what the finished cloth
+            /// reflects.
             colour: Colour = Colour::WHITE;
             /// The decoded image; read and written by the program's file layer, never by serde.
             #[serde(skip)]
@@ -269,7 +272,8 @@ section! {
             /// Width of a loop at its top instead of `pile.top_width`, mm.
             #[serde(skip_serializing_if = "Option::is_none")]
             top_width: Option<f64> = None;
-            /// Thickness of the yarn instead of `pile.yarn_diameter`, mm; what the width and thickness of a loop leave no room for is cut off.
+            /// Thickness of the yarn instead of `pile.yarn_diameter`, mm; what the width and thickness of a loop leave
+            /// no room for is cut off.
             #[serde(skip_serializing_if = "Option::is_none")]
             yarn_diameter: Option<f64> = None;
             /// Share of light that passes through instead of `pile.transmission`, for frame and gradient Lambert.
@@ -451,7 +455,8 @@ choice! {
         Isotropic = "isotropic",
         /// As a small Lambertian surface that faces the loop's normal; part of the light is let through.
         FrameLambert = "frame Lambert",
-        /// As a small Lambertian surface that faces out of the yarn, down the slope of its density; part of the light is let through.
+        /// As a small Lambertian surface that faces out of the yarn, down the slope of its density; part of the light
+        /// is let through.
         GradientLambert = "gradient Lambert",
         /// As a fibre: diffuse about its direction, with a highlight cone (Kajiya and Kay).
         KajiyaKay = "Kajiya-Kay",
@@ -470,7 +475,8 @@ section! {
             thickness: f64 = 0.92, 0.01..=50.0, "mm";
             /// Diameter of the loop's yarn; thicker yarn fills the gaps and looks softer.
             yarn_diameter: f64 = 0.75, 0.02..=20.0, "mm";
-            /// How many plies the yarn is twisted from, each a ridge along the loop; how many blades a tuft of grass has.
+            /// How many plies the yarn is twisted from, each a ridge along the loop; how many blades a tuft of grass
+            /// has.
             plies: u32 = 2, 1..=8, "";
             /// Turns of the plies in a centimetre of yarn; more turns give a harder, cord-like loop.
             twist_per_cm: f64 = 4.0, 0.0..=40.0, "turns/cm";
@@ -486,7 +492,8 @@ section! {
             resolution: u32 = 32, 4..=128, "voxels";
             /// How strongly solid yarn absorbs and scatters; more makes harder edges, less makes airy pile.
             density: f64 = 10.0, 0.0..=1_000_000.0, "/mm";
-            /// Most light that one scattering may give back; white cotton is about 0.98. Cloth of 0.985 reflects 0.61 at most, of which 64 bounces show 0.6 and 16 bounces 0.48; brighter chart colours are darkened to that.
+            /// Most light that one scattering may give back; white cotton is about 0.98. Cloth of 0.985 reflects 0.61
+            /// at most, of which 64 bounces show 0.6 and 16 bounces 0.48; brighter chart colours are darkened to that.
             max_albedo: f64 = 0.985, 0.0..=1.0, "";
             /// No loop gets longer than this, whatever chart and stretch say.
             max_length: f64 = 20.0, 0.0..=100.0, "mm";
@@ -603,7 +610,8 @@ section! {
     /// What happens to the loops after weaving: shears, wear and water.
     Finish, FinishFields {
         numbers {
-            /// Height over the ground weave's middle at which shears cut; loops that reach it become tufts of even height, lower ones stay loops.
+            /// Height over the ground weave's middle at which shears cut; loops that reach it become tufts of even
+            /// height, lower ones stay loops.
             shear_height: f64 = 2.0, 0.05..=100.0, "mm";
             /// Share of loops that are pulled out of the cloth; shorn tufts are not.
             pulled: f64 = 0.0, 0.0..=1.0, "";
@@ -629,7 +637,8 @@ section! {
             strength: f64 = 45.0, 0.0..=75.0, "°";
         }
         others {
-            /// Path of the map, relative to the preset: red is the lean along the weft, green along the warp, 128 none, as in normal maps of tangent space; it concerns the front alone. No map means no lean but the pile's.
+            /// Path of the map, relative to the preset: red is the lean along the weft, green along the warp, 128 none,
+            /// as in normal maps of tangent space; it concerns the front alone. No map means no lean but the pile's.
             #[serde(skip_serializing_if = "Option::is_none")]
             image: Option<String> = None;
             /// How the map is laid over the cells: stretched it is smooth between its pixels.
@@ -696,7 +705,8 @@ section! {
             height: SkeletonHeight = SkeletonHeight::Winding;
             /// How a ground yarn scatters light.
             shading: SkeletonShading = SkeletonShading::Lambert;
-            /// Colour of the ground yarns: what their surface gives back at one scattering, unlike chart colours, which are those of finished cloth.
+            /// Colour of the ground yarns: what their surface gives back at one scattering, unlike chart colours, which
+            /// are those of finished cloth.
             colour: Colour = Colour([240, 238, 232]);
             /// Whether the ground weave is drawn.
             visible: bool = true;
@@ -735,9 +745,10 @@ choice! {
 }
 
 section! {
-    /// How the cloth lies in space (the paper's future work 3). Cloth is bent, not stretched; a net of points may stretch it, and a
-    /// height picture does: it moves each point of level cloth straight up, so that on a slope of angle a the cloth is 1/cos a times
-    /// as long as flat, and its loops stand so much farther apart; their lengths stay.
+    /// How the cloth lies in space (the paper's future work 3). Cloth is bent, not stretched; a net of points may
+    /// stretch it, and a height picture does: it moves each point of level cloth straight up, so that on a slope of
+    /// angle a the cloth is 1/cos a times as long as flat, and its loops stand so much farther apart; their lengths
+    /// stay.
     Form, FormFields {
         numbers {
             /// Radius of the rail that the cloth hangs over, or of the roll's hollow middle.
@@ -752,9 +763,11 @@ section! {
             layers: u32 = 4, 2..=64, "";
             /// Air between the pile of one layer and the next, in rolls and stacks.
             gap: f64 = 1.0, 0.2..=1000.0, "mm";
-            /// How far the cloth lies higher where the height picture is white than where it is black, which stays where level cloth is; less than 0 lays it lower.
+            /// How far the cloth lies higher where the height picture is white than where it is black, which stays
+            /// where level cloth is; less than 0 lays it lower.
             height: f64 = 20.0, -10_000.0..=10_000.0, "mm";
-            /// Distance over which heights of the picture blend: details below it vanish, and so do the steps between greys.
+            /// Distance over which heights of the picture blend: details below it vanish, and so do the steps between
+            /// greys.
             smooth: f64 = 6.0, 0.5..=1000.0, "mm";
         }
         others {
@@ -764,10 +777,12 @@ section! {
             along: BentAlong = BentAlong::Warp;
             /// Rolls have the front inside; else the back.
             front_inside: bool = false;
-            /// Rows of points [x, y, z] in mm, from the near edge to the far one, each from left to right: 4 to 12 rows of 4 to 12 points that pull a smooth surface, which begins and ends in the outermost.
+            /// Rows of points [x, y, z] in mm, from the near edge to the far one, each from left to right: 4 to 12 rows
+            /// of 4 to 12 points that pull a smooth surface, which begins and ends in the outermost.
             #[serde(skip_serializing_if = "Vec::is_empty")]
             net: Vec<Vec<[f64; 3]>> = Vec::new();
-            /// Path of the height picture, relative to the preset: PNG (8 or 16 bits) or JPEG, laid over the whole cloth. Colours count as their grey, what is transparent as black.
+            /// Path of the height picture, relative to the preset: PNG (8 or 16 bits) or JPEG, laid over the whole
+            /// cloth. Colours count as their grey, what is transparent as black.
             #[serde(skip_serializing_if = "Option::is_none")]
             image: Option<String> = None;
             /// The decoded picture; read by the program's file layer, never by serde.
@@ -824,7 +839,7 @@ section! {
 choice! {
     /// Light from all around.
     EnvironmentKind {
-        /// The same light from everywhere.
+        /// As bright from everywhere.
         Constant = "constant",
         /// A sky that changes smoothly from the zenith to the horizon, over the ground's colour.
         Gradient = "sky gradient",
@@ -839,7 +854,8 @@ section! {
         numbers {
             /// Brightness of the surroundings; multiplies colours and images alike.
             radiance: f64 = 0.6, 0.0..=1000.0, "";
-            /// Turns the image about the cloth's normal, the way azimuths grow; at 0 its middle lies beyond the far edge.
+            /// Turns the image about the cloth's normal, the way azimuths grow; at 0 its middle lies beyond the far
+            /// edge.
             rotation: f64 = 0.0, -360.0..=360.0, "°";
         }
         others {
@@ -853,7 +869,8 @@ section! {
             horizon: Colour = Colour([255, 250, 240]);
             /// Colour of the gradient below the cloth.
             ground: Colour = Colour([120, 112, 100]);
-            /// Path of the image, relative to the preset: equirectangular, .hdr or .exr with linear light, .png or .jpg as sRGB; up to 8192 × 4096 pixels, averaged down to 1024 × 512.
+            /// Path of the image, relative to the preset: equirectangular, .hdr or .exr with linear light, .png or .jpg
+            /// as sRGB; up to 8192 × 4096 pixels, averaged down to 1024 × 512.
             #[serde(skip_serializing_if = "Option::is_none")]
             image: Option<String> = None;
             /// The decoded image; read by the program's file layer, never by serde.
@@ -935,7 +952,8 @@ section! {
     /// A saved view of the cloth.
     CameraDesign, CameraFields {
         numbers {
-            /// Direction from the target to the eye about the cloth's normal; −90° looks along the warp from the near edge.
+            /// Direction from the target to the eye about the cloth's normal; −90° looks along the warp from the near
+            /// edge.
             azimuth: f64 = -90.0, -360.0..=360.0, "°";
             /// Height of the eye over the cloth's plane; negative looks at the back.
             elevation: f64 = 50.0, -90.0..=90.0, "°";
@@ -1035,7 +1053,8 @@ choice! {
         Layered = "layered",
         /// The ray's whole way through each loop, cut at every voxel and layer: the truth as steps get small.
         Exact = "exact",
-        /// Kajiya's general form, which the paper's method replaces: six surfaces a loop, marched. A yardstick, not for the GPU.
+        /// Kajiya's general form, which the paper's method replaces: six surfaces a loop, marched. A yardstick, not for
+        /// the GPU.
         SixFace = "six faces (Kajiya)" written "six-face",
         /// Random free paths through the summed densities: unbiased, and light may bounce.
         Tracked = "tracked",
@@ -1058,17 +1077,12 @@ section! {
         numbers {
             /// How many times light may scatter; many bounces make white pile glow.
             bounces: u32 = 16, 1..=64, "";
-            /// After this many scatterings the light of all further ones is estimated instead of traced: fast, for looking
-            /// while designing. 0 traces all.
-            traced_bounces: u32 = 0, 0..=64, "";
-            /// In this many first samples of each pixel, neighbouring points share their shadows: smooth sooner, and soft until
-            /// later samples outweigh them. Fast, for looking while designing. 0 traces all.
-            cached_shadows: u32 = 0, 0..=64, "";
             /// Samples a pixel at which a final picture is done.
             samples: u32 = 256, 1..=1_048_576, "";
             /// Estimated error at which a final picture is done; 0 waits for all samples.
             error: f64 = 0.0, 0.0..=1.0, "";
-            /// Longest step through a loop, for the methods exact and six-face: smaller is closer to the truth, and slower.
+            /// Longest step through a loop, for the methods exact and six-face: smaller is closer to the truth, and
+            /// slower.
             step: f64 = 0.05, 0.0005..=10.0, "mm";
             /// Another number gives other noise.
             seed: u32 = 0, 0..=4_294_967_295.0, "";

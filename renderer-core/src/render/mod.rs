@@ -99,24 +99,23 @@ pub struct Settings {
     pub cached_shadows: u32,
 }
 
+/// Those of a final picture: every bounce and every shadow is traced.
 impl From<&Quality> for Settings {
     fn from(quality: &Quality) -> Self {
         let Quality {
             method,
             bounces,
-            traced_bounces,
             step,
             samples,
             error,
             seed,
             sampler,
             shadows,
-            cached_shadows,
         } = *quality;
         Self {
             method,
             bounces,
-            traced_bounces,
+            traced_bounces: 0,
             step_mm: step,
             samples,
             error,
@@ -126,7 +125,7 @@ impl From<&Quality> for Settings {
             aov: false,
             counters: false,
             optimisations: Optimisations::ALL,
-            cached_shadows,
+            cached_shadows: 0,
         }
     }
 }
@@ -228,14 +227,10 @@ impl std::ops::AddAssign for Counters {
 #[derive(Debug, thiserror::Error)]
 pub enum RenderError {
     /// No adapter at all, or none that can compute.
-    #[error(
-        "no GPU adapter: {0}; install a Vulkan driver (on Debian and Ubuntu: mesa-vulkan-drivers) or use --backend cpu"
-    )]
+    #[error("no GPU adapter: {0}")]
     NoAdapter(String),
     /// The request is beyond what the adapter can do.
-    #[error(
-        "{what} is {value}, but {adapter} allows at most {limit}; use a smaller one or --backend cpu"
-    )]
+    #[error("{what} is {value}, but {adapter} allows at most {limit}")]
     BeyondAdapter {
         /// What is too large.
         what: &'static str,
@@ -250,10 +245,7 @@ pub enum RenderError {
     #[error("{0}")]
     Size(String),
     /// The backend has no code for the method.
-    #[error(
-        "the {} backend does not draw by method {}; use --backend {} or another method",
-        backend.name(), method.name(), backend.plainer().name()
-    )]
+    #[error("the {} backend does not draw by method {}", backend.name(), method.name())]
     Method {
         /// Which backend.
         backend: BackendKind,
@@ -264,7 +256,7 @@ pub enum RenderError {
     #[error("the GPU stopped: {0}")]
     Device(String),
     /// The device has no memory left for scene or picture.
-    #[error("the GPU is out of memory: {0}; use a smaller picture or --backend cpu")]
+    #[error("the GPU is out of memory: {0}")]
     OutOfMemory(String),
     /// The device is gone: its driver was reset, or the card unplugged. Another one has to be made.
     #[error("the GPU was lost: {0}")]
@@ -350,14 +342,6 @@ pub enum BackendKind {
 }
 
 impl BackendKind {
-    /// The next slower backend, which draws all that this one does.
-    fn plainer(self) -> Self {
-        match self {
-            Self::Gpu => Self::Cpu,
-            Self::Cpu | Self::Reference => Self::Reference,
-        }
-    }
-
     /// Name on the command line and in the status bar.
     pub fn name(self) -> &'static str {
         match self {

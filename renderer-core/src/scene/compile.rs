@@ -53,7 +53,7 @@ pub enum CompileError {
     Invalid(Vec<Fault>),
     /// The lists of loops in cells are too long.
     #[error(
-        "pile.max_length allows {loops} loops to reach too many cells: their lists exceed {limit} entries; use shorter or wider-set pile, or less of sheet.warps and sheet.wefts"
+        "pile.max_length allows {loops} loops to reach too many cells: their lists exceed {limit} entries"
     )]
     TooManyEntries {
         /// Loops planted.

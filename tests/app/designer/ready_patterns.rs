@@ -1,6 +1,6 @@
 //! Ready patterns: what their names say.
 
-use renderer_core::design::{Pattern, READY_PATTERNS, Stitch};
+use renderer_core::design::{Pattern, Stitch, WEAVE_LIBRARY};
 
 /// The longest stretch of equal values in a ring, 0 if all are equal.
 fn longest_float(ring: &[bool], over: bool) -> usize {
@@ -19,13 +19,13 @@ fn longest_float(ring: &[bool], over: bool) -> usize {
 #[test]
 fn ready_patterns_are_what_their_names_say() {
     let of = |name: &str| {
-        let found = READY_PATTERNS.iter().find(|ready| ready.name == name);
+        let found = WEAVE_LIBRARY.iter().find(|ready| ready.name == name);
         found.expect("a ready pattern").pattern()
     };
     let over = |pattern: &Pattern, col: usize, row: usize| {
         pattern.stitch(col as i64, row as i64).warp_over
     };
-    for ready in READY_PATTERNS {
+    for ready in WEAVE_LIBRARY {
         let pattern = ready.pattern();
         let (cols, rows) = (pattern.cols(), pattern.rows());
         assert!(

@@ -9,7 +9,7 @@ use egui::{Color32, Event, Key, Modifiers, PointerButton, Pos2, Rect, pos2, vec2
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use proptest::prelude::*;
-use renderer_core::design::{Anchor, Back, Keep, NewCells, Pattern, READY_PATTERNS, STITCHES};
+use renderer_core::design::{Anchor, Back, Keep, NewCells, Pattern, STITCHES, WEAVE_LIBRARY};
 use towel_designer::designer::shapes::{self, Cell};
 use towel_designer::designer::{App, Icon};
 
@@ -589,7 +589,7 @@ fn the_side_that_stays_can_be_chosen() {
 
 #[test]
 fn choosing_a_ready_pattern_is_one_step_with_its_name() {
-    for ready in READY_PATTERNS {
+    for ready in WEAVE_LIBRARY {
         let mut harness = designer(None);
         let before = design(&harness).clone();
         click(&mut harness, "Ready patterns…");

@@ -7,7 +7,8 @@ use renderer_core::design::{Design, Method, Pattern};
 use renderer_core::image::Picture;
 use renderer_core::sampling::Pcg;
 
-use super::scenes::{Edit, GROUPS, LOOPS};
+use super::scenes::{Edit, GROUPS, LOOPS, traced_bounces};
+use crate::support::closed::closed;
 use crate::support::compare::{MAX_FLIPS, same_as_reference, shows_something};
 use crate::support::device::{finish, on_reference};
 use crate::support::same_sample::{Agreement, same_picture};
@@ -29,7 +30,7 @@ fn towel(edits: &[&Edit]) -> (String, Design) {
 fn compare(cpu: &mut CpuBackend, design: &Design, method: Method) -> (Result<(), String>, bool) {
     let mut design = design.clone();
     design.quality.method = method;
-    let request = request(&design, SIZE);
+    let request = request(closed(&design, traced_bounces(&design)), SIZE);
     let expected = on_reference(&request);
     let drawn = finish(cpu, &request);
     (

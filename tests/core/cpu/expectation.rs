@@ -1,18 +1,21 @@
 //! `tracked` pictures of the processor are draws of what the reference's are draws of, with what would be noticed.
 
 use renderer_core::cpu::CpuBackend;
-use renderer_core::design::{Colour, Design, Interpolation, Pattern, Phase, SkeletonShading};
+use renderer_core::design::{Colour, Interpolation, Pattern, Phase, SkeletonShading};
 
-use super::scenes::{GROUNDS, LIGHTS, LOOKS, LOOPS, UNBENT};
+use super::scenes::{GROUNDS, LIGHTS, LOOKS, LOOPS, UNBENT, traced_bounces};
 use crate::agreement::{
     SIZE, Wrong, assert_agree_and_tell, one_scattering, tracked, unlike_presets_agree,
 };
-use crate::support::scenes::small_towel;
+use crate::support::closed::closed;
+use crate::support::scenes::{Case, small_towel};
 
 /// Compares a towel of several scatterings; the test sees 3 % of the whole.
-fn agree(design: &Design, bounces: u32, wrongs: &[Wrong]) {
-    let design = tracked(design.clone(), bounces);
-    assert_agree_and_tell(&mut CpuBackend::default(), &design, SIZE, wrongs, 0.04);
+fn agree<'a>(case: impl Into<Case<'a>>, bounces: u32, wrongs: &[Wrong]) {
+    let case = case.into();
+    let design = tracked(case.design.clone(), bounces);
+    let case = closed(&design, case.traced_bounces);
+    assert_agree_and_tell(&mut CpuBackend::default(), case, SIZE, wrongs, 0.04);
 }
 
 #[test]
@@ -69,15 +72,14 @@ fn a_missing_bounce_is_noticed() {
 fn closed_paths_agree() {
     let mut design = small_towel();
     design.pile.phase = Phase::FrameLambert;
-    design.quality.traced_bounces = 1;
     agree(
-        &design,
+        closed(&design, 1),
         16,
         &[("nothing by bounces", |d| d.quality.bounces = 1)],
     );
     design.pile.phase = Phase::Isotropic;
-    design.quality.traced_bounces = 2;
-    agree(&design, 16, &[("fewer orders", |d| d.quality.bounces = 6)]);
+    let fewer: Wrong = ("fewer orders", |d| d.quality.bounces = 6);
+    agree(closed(&design, 2), 16, &[fewer]);
 }
 
 /// Wide loops of half the density that a free path needs, all bright before black: what passes is set by how densities that
@@ -146,7 +148,7 @@ fn every_shape_and_ground_agrees() {
         eprintln!("{name}");
         let mut design = small_towel();
         edit(&mut design);
-        agree(&design, 3, &[]);
+        agree(closed(&design, traced_bounces(&design)), 3, &[]);
     }
 }
 

@@ -60,12 +60,23 @@ pub fn write(design: &Design, output: &Path) -> anyhow::Result<()> {
         "asset": { "version": "2.0", "generator": concat!("Towel Designer ", env!("CARGO_PKG_VERSION")) },
         "scene": 0,
         "scenes": [{ "nodes": [0] }],
-        "nodes": [{ "mesh": 0, "name": "loops", "rotation": [-half_turn, 0.0, 0.0, half_turn], "scale": [0.001, 0.001, 0.001] }],
+        "nodes": [{
+            "mesh": 0,
+            "name": "loops",
+            "rotation": [-half_turn, 0.0, 0.0, half_turn],
+            "scale": [0.001, 0.001, 0.001],
+        }],
         "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0, "COLOR_0": 1 }, "indices": 2, "material": 0 }] }],
-        "materials": [{ "doubleSided": true, "pbrMetallicRoughness": { "metallicFactor": 0.0, "roughnessFactor": 1.0 } }],
+        "materials": [{
+            "doubleSided": true,
+            "pbrMetallicRoughness": { "metallicFactor": 0.0, "roughnessFactor": 1.0 },
+        }],
         "accessors": [
             { "bufferView": 0, "componentType": 5126, "count": 4 * count, "type": "VEC3", "min": low, "max": high },
-            { "bufferView": 0, "byteOffset": 12, "componentType": 5123, "normalized": true, "count": 4 * count, "type": "VEC4" },
+            {
+                "bufferView": 0, "byteOffset": 12,
+                "componentType": 5123, "normalized": true, "count": 4 * count, "type": "VEC4",
+            },
             { "bufferView": 1, "componentType": 5125, "count": 6 * count, "type": "SCALAR" },
         ],
         "bufferViews": [

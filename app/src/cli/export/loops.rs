@@ -1,13 +1,15 @@
-//! `export loops`: every loop of a design, in mm and world space, and the list of them as JSON with what else a renderer
-//! needs to draw the same picture. Bent cloth has its loops where they lie; its ground is told as that of flat cloth.
+//! `export loops`: every loop of a design, in mm and world space, and the list of them as JSON with what else a
+//! renderer needs to draw the same picture. Bent cloth has its loops where they lie; its ground is given as that of flat
+//! cloth.
 
 use std::path::Path;
 
 use glam::DVec3;
-use renderer_core::design::{Colour, Design};
-use renderer_core::scene::{self, ChartOnSheet, Face, PlantedLoop, Scene};
+use renderer_core::design::{Colour, Design, Phase};
+use renderer_core::scene::{self, ChartOnSheet, Face, Material, PlantedLoop, Scene, Volumes};
 
 use super::surroundings::Surroundings;
+use super::volume::{kind_names, volume_name};
 use crate::files;
 
 /// One loop as other programs see it.
@@ -26,6 +28,8 @@ pub struct LoopRecord {
     pub albedo: [f64; 3],
     /// Which of the volumes of its kind.
     pub variant: u8,
+    /// What its yarn is and how that scatters; [`Material::kind`] is an index into [`Volumes::kinds`].
+    pub material: Material,
 }
 
 /// All loops of a scene, row by row from the near edge.
@@ -55,6 +59,7 @@ pub fn records<'s>(
             length: DVec3::from_array(patch.axis.map(f64::from)).length(),
             albedo: look.albedo(),
             variant: look.variant,
+            material: scene.pile.materials[usize::from(look.material)],
         }
     })
 }
@@ -80,16 +85,22 @@ pub fn write(design: &Design, output: &Path) -> anyhow::Result<()> {
             writeln!(file, "\"{name}\": {part},")?;
         }
         write!(file, "\"loops\": [")?;
+        let names = kind_names(&scene.volumes);
         for (index, record) in records(design, &scene).enumerate() {
             let separator = if index == 0 { "" } else { "," };
-            write!(file, "{separator}\n{}", json(&record))?;
+            write!(
+                file,
+                "{separator}\n{}",
+                json(&record, &scene.volumes, &names)
+            )?;
         }
         writeln!(file, "\n]\n}}")
     })?;
     Ok(())
 }
 
-fn json(record: &LoopRecord) -> String {
+/// One loop as a line of JSON; `names` are those of the kinds of volumes.
+fn json(record: &LoopRecord, volumes: &Volumes, names: &[String]) -> String {
     // Six decimals: nanometres.
     let vector = |v: DVec3| format!("[{:.6},{:.6},{:.6}]", v.x, v.y, v.z);
     let [p0, p1, p2, p3] = record.corners.map(vector);
@@ -99,11 +110,33 @@ fn json(record: &LoopRecord) -> String {
         Face::Back => "back",
     };
     let [r, g, b] = record.albedo;
-    format!(
-        "{{\"cell\":[{i},{j}],\"face\":\"{face}\",\"p0\":{p0},\"p1\":{p1},\"p2\":{p2},\"p3\":{p3},\"normal\":{},\"colour\":\"{}\",\"albedo\":[{r:.5},{g:.5},{b:.5}],\"length\":{:.6},\"variant\":{}}}",
-        vector(record.normal),
-        String::from(record.colour),
-        record.length,
-        record.variant
-    )
+    let material = &record.material;
+    let kind = material.kind as usize;
+    let mut line = format!("{{\"cell\":[{i},{j}],\"face\":\"{face}\"");
+    line += &format!(",\"p0\":{p0},\"p1\":{p1},\"p2\":{p2},\"p3\":{p3}");
+    line += &format!(",\"normal\":{}", vector(record.normal));
+    line += &format!(",\"colour\":\"{}\"", String::from(record.colour));
+    line += &format!(",\"albedo\":[{r:.5},{g:.5},{b:.5}]");
+    line += &format!(",\"length\":{:.6}", record.length);
+    line += &format!(",\"kind\":\"{}\"", volumes.kinds[kind].name());
+    line += &format!(
+        ",\"volume\":\"{}\"",
+        volume_name(&names[kind], record.variant.into())
+    );
+    line += &format!(",\"variant\":{}", record.variant);
+    line += &format!(",\"density\":{}", material.density_per_mm);
+    line += &format!(",\"phase\":\"{}\"", material.phase.name());
+    match material.phase {
+        Phase::Isotropic => {}
+        Phase::FrameLambert | Phase::GradientLambert => {
+            line += &format!(",\"transmission\":{}", material.transmission);
+        }
+        Phase::KajiyaKay => {
+            let Material {
+                specular, exponent, ..
+            } = material;
+            line += &format!(",\"specular\":{specular},\"exponent\":{exponent}");
+        }
+    }
+    line + "}"
 }

@@ -18,9 +18,17 @@ use crate::files;
 /// What to export.
 #[derive(Debug, Subcommand)]
 pub enum Export {
-    /// Every loop's patch, normal, colour, length and variant, as .json or .glb.
+    /// Every loop, as .json or .glb.
+    ///
+    /// JSON has every loop's cell, patch, normal, colour, albedo, length, kind of pile, volume, density (1/mm, of solid
+    /// yarn) and phase function, one loop a line, and the ground, cameras and lights beside them. In glTF (.glb) there
+    /// are patches and colours alone.
     Loops(ExportArguments),
     /// The volumes inside the loops, a PNG a layer, into a folder.
+    ///
+    /// Alpha is the density, A = 255·ρ, and gray the shade that multiplies the albedo, L = 255·shade. Row 0 is at v = 1,
+    /// the loop's top, column 0 at u = 0, layer 0 at w = −½: pixel (x, y) of n × n in layer l of m is the voxel around
+    /// u = (x + ½)/n, v = 1 − (y + ½)/n, w = (l + ½)/m − ½.
     Volume(ExportArguments),
     /// The four channels of the turbulence, one pixel a cell, as .exr.
     Turbulence(ExportArguments),

@@ -13,7 +13,7 @@ use serde::Serialize;
 pub struct Surroundings {
     yarn: Yarn,
     ground: Ground,
-    /// In the order of the preset; its first is what `render` uses unless told.
+    /// In the order of the preset; its first is what `render` uses unless another is given.
     cameras: Vec<View>,
     suns: Vec<Sun>,
     area_lights: Vec<Area>,
@@ -23,11 +23,16 @@ pub struct Surroundings {
 /// What runs through the patch of each loop.
 #[derive(Debug, Serialize)]
 struct Yarn {
+    /// Of loops that have none of their own.
     kind: String,
     /// Diameter of the strand, mm.
     diameter: f64,
     /// Width, length and thickness of the loop that the strand is drawn in, mm; each loop stretches it to its own.
     reference_size: [f64; 3],
+    /// How the layers of a volume blend: `linear` or `nearest`.
+    interpolation: String,
+    /// Densities are multiplied by smoothstep(v/root_blend), v the share of the way from the root to the top.
+    root_blend: f64,
 }
 
 /// The ground weave (the paper's §4.1): radii and crimp in mm.
@@ -95,6 +100,8 @@ impl Surroundings {
                 kind: design.pile.kind.name(),
                 diameter: design.pile.yarn_diameter,
                 reference_size: scene.volumes.reference_size_mm.map(f64::from),
+                interpolation: scene.volumes.interpolation.name(),
+                root_blend: f64::from(scene.volumes.root_blend),
             },
             ground: Ground {
                 visible: skeleton.visible,

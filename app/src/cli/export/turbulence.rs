@@ -8,8 +8,8 @@ use renderer_core::scene::{CHANNELS, SheetGeometry, TurbulenceField};
 
 use crate::files;
 
-/// Writes the file. Its channels are `tilt_x` and `tilt_y`, in the designer "tilt sideways" and "tilt lengthwise", `stretch`
-/// and `twist`.
+/// Writes the file. Its channels are `tilt_x` and `tilt_y`, in the designer "tilt sideways" and "tilt lengthwise",
+/// `stretch` and `twist`.
 pub fn write(design: &Design, output: &Path) -> anyhow::Result<()> {
     let sheet = SheetGeometry::new(design);
     let field = TurbulenceField::new(&sheet, &design.turbulence);

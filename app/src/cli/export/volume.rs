@@ -1,12 +1,16 @@
 //! `export volume`: the volumes inside the loops as pictures, one PNG a layer, the loop's top at the top.
 //!
-//! Alpha is the density ρ, gray the shade that multiplies the albedo (black where there is no density).
+//! Each is gray with alpha, 8 bits a channel, not premultiplied: A = 255·ρ, rounded, ρ the density as a share of solid
+//! yarn; L = 255·shade, rounded, the shade that multiplies the loop's albedo, and 0 where ρ is 0. In a picture of n × n
+//! pixels the pixel in column x, row y (both from 0, the first at the top left) is the voxel around u = (x + ½)/n,
+//! v = 1 − (y + ½)/n; column 0 begins at u = 0, row 0 ends at v = 1, the loop's top. Of m layers, layer l is the slab
+//! around w = (l + ½)/m − ½, so that layer 0 begins at w = −½.
 
 use std::fs;
 use std::io;
 use std::path::Path;
 
-use renderer_core::design::Design;
+use renderer_core::design::{Design, PileKind};
 use renderer_core::image::encode_png_gray_alpha;
 use renderer_core::scene::{self, Volumes};
 
@@ -27,18 +31,10 @@ pub fn write(design: &Design, output: &Path) -> anyhow::Result<()> {
     }
     let scene = scene::compile(design)?;
     let volumes = &*scene.volumes;
-    for (k, kind) in volumes.kinds.iter().enumerate() {
-        let same = volumes.kinds[..=k]
-            .iter()
-            .filter(|other| *other == kind)
-            .count();
-        let kind = match same {
-            1 => kind.name(),
-            number => format!("{}-{number}", kind.name()),
-        };
+    for (k, kind) in kind_names(volumes).iter().enumerate() {
         for variant in 0..volumes.variants {
             for layer in 0..volumes.layers {
-                let name = format!("{kind}-variant-{variant:02}-layer-{layer:02}.png");
+                let name = format!("{}-layer-{layer:02}.png", volume_name(kind, variant));
                 let file = encode_png_gray_alpha(
                     [volumes.resolution; 2],
                     &gray_alpha(volumes, k, variant, layer),
@@ -48,6 +44,24 @@ pub fn write(design: &Design, output: &Path) -> anyhow::Result<()> {
         }
     }
     Ok(())
+}
+
+/// What files call each kind of volumes: the kind, with a number where an earlier one of it has another diameter of yarn.
+pub fn kind_names(volumes: &Volumes) -> Vec<String> {
+    let kinds = volumes.kinds.iter().enumerate();
+    let name = |(k, kind): (usize, &PileKind)| {
+        let earlier = volumes.kinds[..k].iter().filter(|other| *other == kind);
+        match earlier.count() {
+            0 => kind.name(),
+            earlier => format!("{}-{}", kind.name(), earlier + 1),
+        }
+    };
+    kinds.map(name).collect()
+}
+
+/// What files call a volume of the kind of that name.
+pub fn volume_name(kind: &str, variant: u32) -> String {
+    format!("{kind}-variant-{variant:02}")
 }
 
 /// Shade and density of a layer, row by row from the loop's top.

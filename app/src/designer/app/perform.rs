@@ -45,30 +45,14 @@ impl App {
             }
             Command::Undo => self.document.undo(),
             Command::Redo => self.document.redo(),
-            Command::OpenChart => {
-                let folder = self.folder_for(Purpose::OpenChart);
-                self.shell.dialogs.ask(Purpose::OpenChart, &folder, "", ctx);
+            Command::OpenImage(slot) => {
+                let purpose = Purpose::OpenImage(slot);
+                let folder = self.folder_for(purpose);
+                self.shell.dialogs.ask(purpose, &folder, "", ctx);
             }
-            Command::UseChart(path) => self.load_chart(ctx, path),
+            Command::UseImage(slot, path) => self.load_image(ctx, slot, path),
             Command::PasteChart => self.ask_to_paste(ctx),
             Command::EditChart => self.panels.toggle_chart_editor(),
-            Command::OpenNap => {
-                let folder = self.folder_for(Purpose::OpenNap);
-                self.shell.dialogs.ask(Purpose::OpenNap, &folder, "", ctx);
-            }
-            Command::OpenEnvironment => {
-                let folder = self.folder_for(Purpose::OpenEnvironment);
-                self.shell
-                    .dialogs
-                    .ask(Purpose::OpenEnvironment, &folder, "", ctx);
-            }
-            Command::OpenHeight => {
-                let folder = self.folder_for(Purpose::OpenHeight);
-                self.shell
-                    .dialogs
-                    .ask(Purpose::OpenHeight, &folder, "", ctx);
-            }
-            Command::UseEnvironment(path) => self.load_environment(ctx, path),
             Command::MoveNetPoint { row, column, to } => {
                 let net = &mut self.document.design.form.net;
                 if let Some(point) = net.get_mut(row).and_then(|row| row.get_mut(column)) {

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command as Process;
 
 use egui::Context;
+use renderer_core::design::ImageSlot;
 
 use crate::designer::app::App;
 use crate::designer::presets::stem_of;
@@ -48,10 +49,7 @@ impl App {
             }
             PresetCommand::Save(name) => {
                 let design = &self.document.design;
-                let has_image = design.chart.pixels.is_some()
-                    || design.nap.pixels.is_some()
-                    || design.light.environment.pixels.is_some()
-                    || design.form.pixels.is_some();
+                let has_image = ImageSlot::ALL.iter().any(|slot| slot.has_pixels(design));
                 let ending = if has_image { BUNDLE_ENDING } else { "toml" };
                 let path = folder.join(format!("{name}.{ending}"));
                 if let Some(fault) = fault_of_name(&name) {

@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use renderer_core::design::{CameraDesign, Design, Numbers, READY_PATTERNS};
+use renderer_core::design::{CameraDesign, Design, Numbers, WEAVE_LIBRARY};
 
 use super::labels::label_of;
 
@@ -76,7 +76,7 @@ fn weave(before: &Design, after: &Design) -> Option<String> {
             .filter(|(a, b)| a != b)
             .count()
             == 1;
-    let ready = READY_PATTERNS.iter().find(|ready| ready.pattern() == *b);
+    let ready = WEAVE_LIBRARY.iter().find(|ready| ready.pattern() == *b);
     if let (Some(ready), false) = (ready, one_cell) {
         return Some(format!("ready pattern {}", ready.name));
     }

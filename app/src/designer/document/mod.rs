@@ -12,7 +12,7 @@ pub mod settings;
 
 use std::path::{Path, PathBuf};
 
-use renderer_core::design::{ChartImage, Design};
+use renderer_core::design::{ChartImage, Design, ImagePixels, ImageSlot};
 
 use crate::files::{Carried, Opened, Origin, OwnImages, Stamp, Unsaved};
 
@@ -26,7 +26,7 @@ const MOST_BYTES: usize = 1 << 30;
 struct Step {
     name: String,
     design: Design,
-    /// What the chart and the nap map before and after do not share.
+    /// What the images before and after do not share.
     bytes: usize,
 }
 
@@ -39,7 +39,7 @@ pub struct Document {
     /// What the file holds; nothing for a design that was recovered.
     saved: Option<Design>,
     path: Option<PathBuf>,
-    /// The files of the chart and the nap map that were painted here, as they were last read or written.
+    /// The files of the images that were painted here, as they were last read or written.
     pub own_images: OwnImages,
     /// Name of a design without a file that was made from something with a name.
     name: Option<String>,
@@ -68,10 +68,12 @@ impl Document {
     /// files name them relative to themselves.
     pub fn new(mut design: Design, path: Option<PathBuf>) -> Self {
         if let Some(folder) = path.as_deref().and_then(Path::parent) {
-            for image in design.image_paths_mut().into_iter().flatten() {
-                let file = folder.join(&*image);
-                let file = std::path::absolute(&file).unwrap_or(file);
-                *image = file.to_string_lossy().into_owned();
+            for slot in ImageSlot::ALL {
+                if let Some(image) = slot.path_mut(&mut design) {
+                    let file = folder.join(&*image);
+                    let file = std::path::absolute(&file).unwrap_or(file);
+                    *image = file.to_string_lossy().into_owned();
+                }
             }
         }
         Self::with_images_found(design, path)
@@ -207,13 +209,11 @@ impl Document {
         }
         self.revision += 1;
         let before = std::mem::replace(&mut self.settled, self.design.clone());
-        let bytes = pixels_of(&before).into_iter().zip(pixels_of(&self.design));
-        let bytes = bytes.map(|(before, now)| {
-            before
-                .as_ref()
-                .map_or(0, |pixels| pixels.bytes_beside(now.as_ref()))
+        let bytes = ImageSlot::ALL.map(|slot| {
+            let now = colours(slot, &self.design);
+            colours(slot, &before).map_or(0, |pixels| pixels.bytes_beside(now.as_ref()))
         });
-        let bytes = bytes.sum();
+        let bytes = bytes.iter().sum();
         self.undo.push(Step {
             name: name.unwrap_or_else(|| changes::describe(&before, &self.design)),
             design: before,
@@ -229,22 +229,22 @@ impl Document {
         self.redo.clear();
     }
 
-    /// Keeps equal parts of charts and nap maps in memory once: the comparisons of every frame then compare pointers.
+    /// Keeps equal parts of images in memory once: the comparisons of every frame then compare pointers.
     fn share_tiles(&mut self) {
-        let Design { chart, nap, .. } = &mut self.design;
-        let settled = pixels_of(&self.settled);
-        let saved = self.saved.as_ref().map(pixels_of);
-        for (k, pixels) in [&mut chart.pixels, &mut nap.pixels].into_iter().enumerate() {
-            let Some(pixels) = pixels else { continue };
-            let settled = settled[k].as_ref();
+        for slot in ImageSlot::ALL {
+            let Some(mut pixels) = colours(slot, &self.design) else {
+                continue;
+            };
+            let settled = colours(slot, &self.settled);
             // Once a gesture, not every frame: images that differ all over take a while to compare.
-            if settled.is_some_and(|settled| settled.is(pixels)) {
+            if settled.as_ref().is_some_and(|settled| settled.is(&pixels)) {
                 continue;
             }
-            let saved = saved.and_then(|saved| saved[k].as_ref());
+            let saved = self.saved.as_ref().and_then(|saved| colours(slot, saved));
             for other in [saved, settled].into_iter().flatten() {
-                pixels.share_with(other);
+                pixels.share_with(&other);
             }
+            slot.set_pixels(&mut self.design, Some(ImagePixels::Colours(pixels)));
         }
     }
 
@@ -289,7 +289,10 @@ impl Document {
     }
 }
 
-/// The images of a design that are painted here.
-fn pixels_of(design: &Design) -> [&Option<ChartImage>; 2] {
-    [&design.chart.pixels, &design.nap.pixels]
+/// An image of a design, if it is one of colours: of those parts can be shared, others are copied whole or not at all.
+fn colours(slot: ImageSlot, design: &Design) -> Option<ChartImage> {
+    match slot.pixels(design) {
+        Some(ImagePixels::Colours(image)) => Some(image),
+        _ => None,
+    }
 }

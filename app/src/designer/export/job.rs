@@ -9,10 +9,11 @@ use egui::Context;
 use renderer_core::design::{CameraDesign, Design};
 use renderer_core::geometry::Camera;
 use renderer_core::image::{Background, Display};
-use renderer_core::render::{RenderError, Settings};
+use renderer_core::render::Settings;
 use renderer_core::scene::lod::{LodBudget, LodCompiler, LodView};
 use renderer_core::scene::{Cancel, CompileError};
 
+use crate::advice::{Place, with_advice, with_advice_on_cloth};
 use crate::backend::BackendChoice;
 use crate::designer::render_thread::renderer::MakeBackend;
 use crate::designer::tasks::Task;
@@ -116,7 +117,7 @@ impl ExportRequest {
         let view = match made {
             Ok(view) => view,
             Err(CompileError::Cancelled) => return Ok(Outcome::Cancelled),
-            Err(error) => return Err(text(&error)),
+            Err(error) => return Err(with_advice_on_cloth(&error)),
         };
         if is_given_up() {
             return Ok(Outcome::Cancelled);
@@ -130,7 +131,7 @@ impl ExportRequest {
             Format::Exr(_) => (Vec::new(), Vec::new()),
         };
         let background = Background(self.design.light.background.linear());
-        let order = picture_file::Order {
+        let order = picture_file::PictureOrder {
             view,
             size: self.size,
             crop: [0, 0, self.size[0], self.size[1]],
@@ -147,44 +148,12 @@ impl ExportRequest {
             band_bytes: BAND_BYTES,
         };
         let choice = self.choice.for_method(self.design.quality.method);
-        let mut backend = make(choice).map_err(|error| advice(&error))?;
+        let mut backend = make(choice).map_err(|error| with_advice(&error, Place::Export))?;
         match picture_file::make(&order, &mut *backend, &self.path, cancel, report) {
             Ok(_) => Ok(Outcome::Written(warnings)),
             Err(Failure::Cancelled) => Ok(Outcome::Cancelled),
-            Err(Failure::Render(error)) => Err(advice(&error)),
+            Err(Failure::Render(error)) => Err(with_advice(&error, Place::Export)),
             Err(error) => Err(text(&error)),
         }
-    }
-}
-
-/// What went wrong and what to do about it, in the words of the window.
-fn advice(error: &RenderError) -> String {
-    match error {
-        RenderError::NoAdapter(why) => format!(
-            "there is no GPU to render with ({why}); choose the backend cpu in the export window, or install a Vulkan \
-             driver (on Debian and Ubuntu: mesa-vulkan-drivers)"
-        ),
-        RenderError::BeyondAdapter {
-            what,
-            value,
-            limit,
-            adapter,
-        } => format!(
-            "{what} is {value}, but {adapter} allows at most {limit}; choose the backend cpu in the export window, or \
-             make the cloth smaller"
-        ),
-        RenderError::Method { method, .. } => format!(
-            "the GPU does not draw by the method {}; choose the backend auto or cpu in the export window, or \
-             another method under View & quality",
-            method.name()
-        ),
-        RenderError::OutOfMemory(why) => format!(
-            "the GPU has too little memory ({why}); choose the backend cpu in the export window, or make the cloth \
-            smaller"
-        ),
-        RenderError::Device(why) | RenderError::Lost(why) => format!(
-            "the GPU stopped ({why}); try again, or choose the backend cpu in the export window"
-        ),
-        RenderError::Size(why) => why.clone(),
     }
 }

@@ -1,10 +1,11 @@
 //! Form: how the cloth lies in space.
 
 use egui::{Color32, ColorImage, DragValue, Ui, vec2};
-use renderer_core::design::{Design, Form, FormKind, HeightImage};
+use renderer_core::design::{Design, Form, FormKind, HeightImage, ImageSlot};
 use renderer_core::scene::{Net, net_through};
 
 use crate::designer::panels::choice_row::{check, choice};
+use crate::designer::panels::image_preview::file_label;
 use crate::designer::panels::number_row::number;
 use crate::designer::shell::command::Command;
 use crate::designer::widgets::{Thumbnail, row, show_thumbnail};
@@ -79,7 +80,7 @@ fn height(ui: &mut Ui, state: &mut State, form: &mut Form, commands: &mut Vec<Co
     let what =
         "Chooses a grey picture, PNG or JPEG, that covers the cloth: the brighter, the higher.";
     if open.on_hover_text(what).clicked() {
-        commands.push(Command::OpenHeight);
+        commands.push(Command::OpenImage(ImageSlot::Height));
     }
     if let Some(picture) = &form.pixels {
         let texture = state
@@ -89,13 +90,8 @@ fn height(ui: &mut Ui, state: &mut State, form: &mut Form, commands: &mut Vec<Co
         let size = (size * (SIDE / size.max_elem())).max(vec2(4.0, 4.0));
         ui.add_space(2.0);
         show_thumbnail(ui, &texture, size, "Height picture");
-        let path = form.image.as_deref().unwrap_or("not yet saved");
-        let name = std::path::Path::new(path)
-            .file_name()
-            .map_or_else(|| path.into(), |name| name.to_string_lossy());
-        let (width, height) = (picture.width(), picture.height());
-        ui.weak(format!("{name}, {width} × {height} px"))
-            .on_hover_text(path);
+        let size = [picture.width(), picture.height()];
+        file_label(ui, form.image.as_deref(), "not yet saved", size);
     } else {
         ui.weak("No picture yet: the cloth is shown as it lay before.");
     }

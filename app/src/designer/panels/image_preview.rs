@@ -1,6 +1,8 @@
 //! A thumbnail of an image of the design (chart, nap map), made anew when that is another.
 
-use egui::{Color32, ColorImage};
+use std::path::Path;
+
+use egui::{Color32, ColorImage, Label, RichText, Ui};
 use renderer_core::design::{ChartImage, OPAQUE_FROM};
 
 /// An image by its place in memory: comparing pixels every frame would take longer than making the picture.
@@ -27,4 +29,14 @@ pub fn reduced(image: &ChartImage, side: usize) -> ColorImage {
         })
         .collect();
     ColorImage::new(size, pixels)
+}
+
+/// The file that an image was read from, `otherwise` where it has none, and the image's size in pixels; the whole path for
+/// who points at it.
+pub fn file_label(ui: &mut Ui, path: Option<&str>, otherwise: &str, [width, height]: [usize; 2]) {
+    let path = path.unwrap_or(otherwise);
+    let name = Path::new(path).file_name();
+    let name = name.map_or_else(|| path.into(), |name| name.to_string_lossy());
+    let text = RichText::new(format!("{name}, {width} × {height} px")).weak();
+    ui.add(Label::new(text).wrap()).on_hover_text(path);
 }

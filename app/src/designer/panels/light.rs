@@ -2,13 +2,15 @@
 
 use egui::{Button, Color32, ColorImage, Ui, vec2};
 use renderer_core::design::{
-    AreaLight, Colour, Design, Environment, EnvironmentImage, EnvironmentKind, Light, Sun,
+    AreaLight, Colour, Design, Environment, EnvironmentImage, EnvironmentKind, ImageSlot, Light,
+    Sun,
 };
 
 use super::light_presets;
 use super::light_sphere::{self, LightSource, LightSphere};
 use super::surroundings::Surroundings;
 use crate::designer::panels::choice_row::{choice, colour};
+use crate::designer::panels::image_preview::file_label;
 use crate::designer::panels::number_row::number;
 use crate::designer::shell::command::Command;
 use crate::designer::widgets::{Thumbnail, show_thumbnail, subheading};
@@ -190,7 +192,7 @@ fn picture(
         )
         .clicked()
     {
-        around.commands.push(Command::OpenEnvironment);
+        around.commands.push(Command::OpenImage(ImageSlot::Environment));
     }
     let Some(image) = &environment.pixels else {
         ui.weak("No image yet: the picture shows the last light.");
@@ -209,13 +211,8 @@ fn picture(
         "As bright as it is in the scene, without exposure. Up is above the cloth, the middle beyond its far edge \
         unless it is turned.",
     );
-    let path = environment.image.as_deref().unwrap_or("not yet saved");
-    let name = std::path::Path::new(path)
-        .file_name()
-        .map_or_else(|| path.into(), |name| name.to_string_lossy());
-    let [width, height] = image.file_size();
-    ui.weak(format!("{name}, {width} × {height} px"))
-        .on_hover_text(path);
+    let path = environment.image.as_deref();
+    file_label(ui, path, "not yet saved", image.file_size());
 }
 
 /// The surroundings at twice the shown size at most, in displayed colours.

@@ -7,7 +7,7 @@ use egui::{
 use renderer_core::design::nap_edit::{
     LARGEST_COMB, comb, direction, footprints, pixel, smoothed, stripes, upright,
 };
-use renderer_core::design::{ChartImage, Design, Fit, Nap, Sheet};
+use renderer_core::design::{ChartImage, Design, Fit, ImageSlot, Nap, Sheet};
 
 use super::image_preview::{Picture, reduced};
 use super::surroundings::Surroundings;
@@ -90,7 +90,7 @@ fn files(ui: &mut Ui, nap: &mut Nap, around: &mut Surroundings<'_>) -> Option<&'
             )
             .clicked()
         {
-            around.commands.push(Command::OpenNap);
+            around.commands.push(Command::OpenImage(ImageSlot::Nap));
         }
         let clear = ui.add_enabled(nap.pixels.is_some(), Button::new("Clear map"));
         if clear

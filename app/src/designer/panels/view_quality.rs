@@ -39,8 +39,6 @@ pub fn show(ui: &mut Ui, design: &mut Design, around: &mut Surroundings<'_>) {
         &mut quality.shadows,
     );
     more(ui, "More about quality", |ui| {
-        number(ui, &fields.traced_bounces, &mut quality.traced_bounces);
-        number(ui, &fields.cached_shadows, &mut quality.cached_shadows);
         let marches = matches!(quality.method, Method::Exact | Method::SixFace);
         ui.add_enabled_ui(marches, |ui| number(ui, &fields.step, &mut quality.step));
         number(ui, &fields.seed, &mut quality.seed);

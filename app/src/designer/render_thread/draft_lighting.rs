@@ -9,8 +9,7 @@ pub const CACHED_SHADOWS: u32 = 8;
 /// How the viewport gets the light of many bounces, and shadows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LiveLight {
-    /// Bounces are estimated after the first scattering, and shadows shared at first, unless the design itself says
-    /// how.
+    /// Bounces are estimated after the first scattering, and shadows shared at first.
     #[default]
     Fast,
     /// As the design says: what an export shows.
@@ -40,7 +39,7 @@ impl LiveLight {
         }
     }
 
-    /// Whether the two differ for a design: not if it says itself what to estimate and to share, or has nothing of it.
+    /// Whether the two differ for a design: not if it has neither bounces nor shadows.
     pub fn matters(design: &Design) -> bool {
         let [fast, whole] = [Self::Fast, Self::True].map(|light| light.settings(design));
         fast.path_cutoff() != whole.path_cutoff()
@@ -50,10 +49,8 @@ impl LiveLight {
     /// The settings of a picture of a design with this light.
     pub fn settings(self, design: &Design) -> Settings {
         let mut settings = Settings::from(&design.quality);
-        if self == Self::Fast && settings.traced_bounces == 0 {
+        if self == Self::Fast {
             settings.traced_bounces = 1;
-        }
-        if self == Self::Fast && settings.cached_shadows == 0 {
             settings.cached_shadows = CACHED_SHADOWS;
         }
         settings

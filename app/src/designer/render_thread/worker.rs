@@ -18,6 +18,7 @@ use super::render_job::RenderJob;
 use super::renderer::{DisplayTransform, MakeRenderer, Renderer};
 use super::stand_in::StandIn;
 use super::{Mail, SceneSummary, Seen, Shared, Stage, ViewRequest, ViewState, lock, workers};
+use crate::advice::{Place, with_advice, with_advice_on_cloth};
 use crate::backend::BackendChoice;
 
 /// How long a backend works before the thread looks for news.
@@ -125,7 +126,7 @@ impl<'a> Worker<'a> {
         let error = match failure {
             // What took its place waits in the mailbox.
             Failure::Compile(CompileError::Cancelled) => return Ok(()),
-            Failure::Compile(error) => error.to_string(),
+            Failure::Compile(error) => with_advice_on_cloth(&error),
             Failure::Render(error) => {
                 // What remains of a failed device is of no use.
                 let renderer = self.renderer.take();
@@ -143,7 +144,7 @@ impl<'a> Worker<'a> {
                         }
                         return self.take_request();
                     }
-                    Remedy::Report => error.to_string(),
+                    Remedy::Report => with_advice(&error, Place::Viewport),
                 }
             }
         };

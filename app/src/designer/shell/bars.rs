@@ -1,6 +1,7 @@
 //! The bars above the panels: menu and toolbar; what they have for the view is in `view_bar`.
 
 use egui::{MenuBar, Ui};
+use renderer_core::design::ImageSlot;
 
 use crate::designer::document::Document;
 use crate::designer::document::settings::{SCALES, Settings, ThemeChoice};
@@ -31,12 +32,14 @@ pub fn menu(
             item(ui, "Save as…", true, Command::SaveAs, commands);
             item(ui, "Save as bundle…", true, Command::SaveAsBundle, commands);
             ui.separator();
-            item(ui, "Open chart…", true, Command::OpenChart, commands);
+            let open = Command::OpenImage;
+            let chart = open(ImageSlot::Chart);
+            item(ui, "Open chart…", true, chart, commands);
             item(
                 ui,
                 "Open surroundings…",
                 true,
-                Command::OpenEnvironment,
+                open(ImageSlot::Environment),
                 commands,
             );
             item(ui, "Export picture…", true, Command::Export, commands);

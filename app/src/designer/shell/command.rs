@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use egui::{Context, Key, KeyboardShortcut, Modifiers};
-use renderer_core::design::CameraDesign;
+use renderer_core::design::{CameraDesign, ImageSlot};
 
 use crate::backend::BackendChoice;
 use crate::designer::document::settings::ThemeChoice;
@@ -52,22 +52,14 @@ pub enum Command {
     Undo,
     /// Repeat the gesture last taken back.
     Redo,
-    /// Ask for a chart image.
-    OpenChart,
+    /// Ask for an image of the design.
+    OpenImage(ImageSlot),
+    /// Use this file as an image of the design.
+    UseImage(ImageSlot, PathBuf),
     /// Make the image in the clipboard the chart.
     PasteChart,
     /// Open or close the chart editor.
     EditChart,
-    /// Use this chart image.
-    UseChart(PathBuf),
-    /// Ask for a nap map.
-    OpenNap,
-    /// Ask for an image of the surroundings.
-    OpenEnvironment,
-    /// Ask for a height picture.
-    OpenHeight,
-    /// Use this image of the surroundings.
-    UseEnvironment(PathBuf),
     /// Move a point of the net that pulls the cloth, mm.
     MoveNetPoint {
         /// Its row.

@@ -5,8 +5,10 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
 use egui::Context;
+use renderer_core::design::ImageSlot;
 
 use crate::designer::widgets::{Browsed, FileBrowser, FileKind};
+use crate::files::words;
 
 /// What a file is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,14 +19,8 @@ pub enum Purpose {
     SavePreset,
     /// A bundle to save the design as.
     SaveBundle,
-    /// A chart image.
-    OpenChart,
-    /// A nap map.
-    OpenNap,
-    /// An image of the surroundings.
-    OpenEnvironment,
-    /// A height picture.
-    OpenHeight,
+    /// An image of the design.
+    OpenImage(ImageSlot),
     /// A picture to write.
     ExportPng,
     /// A picture of linear light to write.
@@ -36,25 +32,14 @@ impl Purpose {
     pub fn key(self) -> &'static str {
         match self {
             Self::OpenPreset | Self::SavePreset | Self::SaveBundle => "designs",
-            Self::OpenChart => "charts",
-            Self::OpenNap => "nap maps",
-            Self::OpenEnvironment => "surroundings",
-            Self::OpenHeight => "height pictures",
+            Self::OpenImage(slot) => words(slot).folder_key,
             Self::ExportPng | Self::ExportExr => "pictures",
         }
     }
 
     /// Whether such files lie in a folder of their own rather than beside the design.
     pub fn has_own_folder(self) -> bool {
-        matches!(
-            self,
-            Self::OpenChart
-                | Self::OpenNap
-                | Self::OpenEnvironment
-                | Self::OpenHeight
-                | Self::ExportPng
-                | Self::ExportExr
-        )
+        matches!(self, Self::OpenImage(_) | Self::ExportPng | Self::ExportExr)
     }
 
     fn kind(self) -> FileKind {
@@ -62,20 +47,10 @@ impl Purpose {
             Self::OpenPreset => ("Open design", "designs", &["toml", "towel", "png"], false),
             Self::SavePreset => ("Save design as", "designs", &["toml", "towel"], true),
             Self::SaveBundle => ("Save as bundle", "bundles", &["towel"], true),
-            Self::OpenChart => ("Open chart", "images", &["png", "jpg", "jpeg"], false),
-            Self::OpenNap => ("Open nap map", "images", &["png", "jpg", "jpeg"], false),
-            Self::OpenEnvironment => (
-                "Open surroundings",
-                "images",
-                &["hdr", "exr", "png", "jpg", "jpeg"],
-                false,
-            ),
-            Self::OpenHeight => (
-                "Open height picture",
-                "images",
-                &["png", "jpg", "jpeg"],
-                false,
-            ),
+            Self::OpenImage(slot) => {
+                let words = words(slot);
+                (words.dialog_title, "images", words.endings, false)
+            }
             Self::ExportPng => ("Export picture as", "pictures", &["png"], true),
             Self::ExportExr => ("Export picture as", "pictures", &["exr"], true),
         };

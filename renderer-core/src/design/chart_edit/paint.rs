@@ -17,7 +17,8 @@ pub fn draw_line(
     let [dx, dy] = [to[0] - from[0], to[1] - from[1]];
     let steps = dx.abs().max(dy.abs()).max(1);
     for step in 0..=steps {
-        // The nearest pixel, halves upwards: the same line whichever way it is drawn would need more, and is not needed.
+        // The nearest pixel, halves upwards: the same line whichever way it is drawn would need more, and is not
+        // needed.
         let along =
             |start: i64, delta: i64| start + (2 * delta * step + steps).div_euclid(2 * steps);
         let (x, y) = (along(from[0], dx), along(from[1], dy));

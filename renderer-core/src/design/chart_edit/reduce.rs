@@ -1,8 +1,8 @@
 //! From an image of any number of colours to a few yarns.
 //!
-//! The yarns are the means of clusters of colours in Oklab (k-means with the starts of k-means++, Arthur and Vassilvitskii
-//! 2007; the best of some starts from fixed seeds). A cluster with one colour that outweighs the others, as the flat parts
-//! of a logo have beside its smooth edges, takes that colour exactly.
+//! The yarns are the means of clusters of colours in Oklab (k-means with the starts of k-means++, Arthur and
+//! Vassilvitskii 2007; the best of some starts from fixed seeds). A cluster with one colour that outweighs the others,
+//! as the flat parts of a logo have beside its smooth edges, takes that colour exactly.
 
 use std::collections::HashMap;
 
@@ -38,7 +38,8 @@ struct Point {
     pixels: u64,
 }
 
-/// Most colours that are told apart exactly; beyond, those are taken together that share the upper 6 bits of each channel.
+/// Most colours that are kept apart exactly; beyond, those are taken together that share the upper 6 bits of each
+/// channel.
 const MOST_EXACT: usize = 1 << 16;
 const BINS: usize = 1 << 18;
 /// Starts of which the best is taken.
@@ -50,7 +51,8 @@ const PIECE: usize = 4096;
 /// A colour that makes up this share of its cluster is the yarn.
 const OUTWEIGHING: f64 = 0.3;
 
-/// The best `count` yarns for an image, the commonest first; fewer if it has no more colours. Transparent pixels have none.
+/// The best `count` yarns for an image, the commonest first; fewer if it has no more colours. Transparent pixels have
+/// none.
 pub fn choose_yarns(image: &ChartImage, count: usize) -> Vec<[u8; 3]> {
     let mut points = exact_points(image).unwrap_or_else(|| binned_points(image));
     points.sort_unstable_by_key(|point| (std::cmp::Reverse(point.pixels), point.colour));
@@ -195,7 +197,8 @@ fn cluster(points: &[Point], count: usize, start: u32) -> Clustering {
     }
 }
 
-/// Points far from each other: each is drawn with a probability that grows with the square of its distance to those before.
+/// Points far from each other: each is drawn with a probability that grows with the square of its distance to those
+/// before.
 fn starts(points: &[Point], count: usize, start: u32) -> Vec<[f32; 3]> {
     let mut random = Pcg::new(start, 0);
     // The commonest colour is one of the yarns, or near one.

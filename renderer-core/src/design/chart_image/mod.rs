@@ -1,4 +1,5 @@
-//! The pixels of a chart as shared tiles of 128 × 128, so that copying a design or painting on it copies tiles, not images.
+//! The pixels of a chart as shared tiles of 128 × 128, so that copying a design or painting on it copies tiles, not
+//! images.
 
 mod tile;
 
@@ -121,8 +122,8 @@ impl ChartImage {
         ]
     }
 
-    /// Gives the part of row `y` in columns `xs` a colour; what lies outside the image is left out. Tiles that other images
-    /// share are copied first.
+    /// Gives the part of row `y` in columns `xs` a colour; what lies outside the image is left out. Tiles that other
+    /// images share are copied first.
     pub fn fill_row(&mut self, y: usize, xs: Range<usize>, colour: [u8; 4]) {
         let (from, to) = (xs.start, xs.end.min(self.width));
         if y >= self.height || from >= to {
@@ -194,8 +195,8 @@ impl ChartImage {
             && (self.width, self.height) == (other.width, other.height)
     }
 
-    /// Uses the tiles of `other` wherever they are equal to this image's, so that they are in memory once and comparing the
-    /// two again costs nothing.
+    /// Uses the tiles of `other` wherever they are equal to this image's, so that they are in memory once and comparing
+    /// the two again costs nothing.
     pub fn share_with(&mut self, other: &Self) {
         if Arc::ptr_eq(&self.tiles, &other.tiles)
             || (self.width, self.height) != (other.width, other.height)

@@ -1,5 +1,6 @@
-//! One tile of a chart: 128 × 128 pixels. Up to 256 colours are kept as a list of colours and a number a pixel, so that a
-//! tile of a chart of yarns takes a quarter of the memory, and another colour for a yarn costs a list, not the pixels.
+//! One tile of a chart: 128 × 128 pixels. Up to 256 colours are kept as a list of colours and a number a pixel, so that
+//! a tile of a chart of yarns takes a quarter of the memory, and another colour for a yarn costs a list, not the
+//! pixels.
 
 use std::sync::{Arc, OnceLock};
 
@@ -69,8 +70,8 @@ impl Tile {
         }
     }
 
-    /// The colours of the tile's list and the number of each pixel; `None` where there are too many colours for that. Not
-    /// every colour of the list need occur.
+    /// The colours of the tile's list and the number of each pixel; `None` where there are too many colours for that.
+    /// Not every colour of the list need occur.
     pub fn numbered(&self) -> Option<(&[[u8; 4]], &[u8])> {
         match &self.0 {
             Pixels::Each(_) => None,

@@ -1,6 +1,7 @@
 //! Preset files: a design as commented TOML, `format = 1`.
 //!
-//! - [`parse`] reads a file and reports every fault in it with line and column; nothing is half read.
+//! - [`parse`] reads a file and reports every fault in it with line and column; nothing is half read. [`parse_noting`]
+//!   also says what of it means nothing any more.
 //! - [`write()`] writes every field with its unit, range and meaning. What it writes, [`parse`] reads back equal.
 //! - [`set`] changes one field by its path, as `--set pile.tilt=30` does.
 //!
@@ -9,16 +10,17 @@
 
 mod path;
 mod read;
+mod retired;
 mod set;
 mod write;
 
 use std::fmt;
 
-pub use read::{parse, position_of};
+pub use read::{parse, parse_noting, position_of};
 pub use set::{SetError, set};
 pub use write::write;
 
-/// One thing wrong in a preset file.
+/// One thing wrong in a preset file, or to be said of it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PresetFault {
     /// Line, from 1.

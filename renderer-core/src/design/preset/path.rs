@@ -1,5 +1,6 @@
 //! Paths to fields, `light.sun[0].elevation`, and the names a mistyped one may have meant.
 
+use super::retired::Retired;
 use crate::design::{Entry, Shape};
 
 /// One step of a path.
@@ -38,7 +39,11 @@ pub(super) fn join(path: &str, name: &str) -> String {
 
 /// Says that `name` is no field of the table at `path`, what it may have meant, and which fields there are.
 pub(super) fn unknown_field(path: &str, name: &str, entries: &[Entry]) -> String {
-    let mut message = format!("{} is not a field", join(path, name));
+    let whole = join(path, name);
+    if let Some(retired) = Retired::at(&whole) {
+        return format!("{whole} is not a field any more: {}", retired.now);
+    }
+    let mut message = format!("{whole} is not a field");
     if let Some(near) = nearest(path, name, entries) {
         message += &format!("; did you mean {near}?");
     } else {

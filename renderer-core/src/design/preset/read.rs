@@ -11,6 +11,7 @@ use toml::de::{DeTable, DeValue, Deserializer};
 
 use super::PresetFault;
 use super::path::{Step, join, steps, unknown_field};
+use super::retired::Retired;
 use crate::design::{Colour, Design, Entry, FORMAT, Fault, Shape, Shaped, Stitch};
 
 /// Reads a preset file's text. The chart image itself is not read.
@@ -18,24 +19,34 @@ use crate::design::{Colour, Design, Entry, FORMAT, Fault, Shape, Shaped, Stitch}
 /// # Errors
 /// Every fault of the text, in the order of its lines.
 pub fn parse(text: &str) -> Result<Design, Vec<PresetFault>> {
-    let found = match read(text) {
-        Ok(design) => return Ok(design),
-        Err(found) => found,
+    parse_noting(text).map(|(design, _)| design)
+}
+
+/// As [`parse`], with the fields of earlier programs that the file has and that mean nothing any more.
+///
+/// # Errors
+/// As [`parse`].
+pub fn parse_noting(text: &str) -> Result<(Design, Vec<PresetFault>), Vec<PresetFault>> {
+    let placed = |found: Vec<Found>| {
+        let mut faults: Vec<PresetFault> = found
+            .into_iter()
+            .map(|found| {
+                let (line, column) = position(text, found.at);
+                PresetFault {
+                    line,
+                    column,
+                    path: found.path,
+                    message: found.message,
+                }
+            })
+            .collect();
+        faults.sort_by_key(|fault| (fault.line, fault.column));
+        faults
     };
-    let mut faults: Vec<PresetFault> = found
-        .into_iter()
-        .map(|found| {
-            let (line, column) = position(text, found.at);
-            PresetFault {
-                line,
-                column,
-                path: found.path,
-                message: found.message,
-            }
-        })
-        .collect();
-    faults.sort_by_key(|fault| (fault.line, fault.column));
-    Err(faults)
+    match read(text) {
+        Ok((design, notes)) => Ok((design, placed(notes))),
+        Err(found) => Err(placed(found)),
+    }
 }
 
 /// Line and column at which the value at `path` is written, or the nearest table around it; (1, 1) in a text that is
@@ -52,7 +63,8 @@ pub(super) struct Found {
     pub message: String,
 }
 
-fn read(text: &str) -> Result<Design, Vec<Found>> {
+/// The design, and what is to be said of retired fields.
+fn read(text: &str) -> Result<(Design, Vec<Found>), Vec<Found>> {
     let (root, errors) = DeTable::parse_recoverable(text);
     if !errors.is_empty() {
         return Err(errors.iter().map(syntax_fault).collect());
@@ -60,8 +72,16 @@ fn read(text: &str) -> Result<Design, Vec<Found>> {
     let (whole, mut root) = (root.span(), root.into_inner());
     check_format(text, &mut root).map_err(|found| vec![found])?;
 
+    let note = |(retired, at): (&Retired, usize)| Found {
+        at,
+        message: format!("{} is ignored: {}", retired.path(), retired.now),
+        path: retired.path(),
+    };
+    let retired = Retired::take_out(&mut root);
+    let notes: Vec<Found> = retired.into_iter().map(note).collect();
+
     let Shape::Table(sections) = Design::shape() else {
-        return Ok(Design::default());
+        return Ok((Design::default(), notes));
     };
     let mut check = Check::new(text);
     check.table(&sections, &mut root, "");
@@ -95,7 +115,7 @@ fn read(text: &str) -> Result<Design, Vec<Found>> {
         }
     }
     if found.is_empty() {
-        Ok(design)
+        Ok((design, notes))
     } else {
         Err(found)
     }
@@ -147,7 +167,8 @@ fn check_format(text: &str, root: &mut DeTable<'_>) -> Result<(), Found> {
         Some(version) if version > i64::from(FORMAT) => fault(
             at,
             format!(
-                "format is {written}, newer than this program, which reads format {FORMAT}: a newer Towel Designer is needed"
+                "format is {written}, newer than this program, which reads format {FORMAT}: a newer Towel Designer \
+                 is needed"
             ),
         ),
         _ => fault(at, format!("format is {written}, allowed is {FORMAT}")),

@@ -6,7 +6,7 @@ use toml::{Spanned, Table, Value};
 
 use super::path::{Step, join, steps, unknown_field};
 use super::read::Check;
-use crate::design::{Design, Shape, Shaped};
+use crate::design::{Design, ImageSlot, Shape, Shaped};
 
 /// Why a field could not be set.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -58,18 +58,10 @@ fn changed(design: &Design, path: &str, text: &str) -> Result<Design, String> {
     let mut tree = Value::Table(Table::try_from(design).map_err(|error| error.to_string())?);
     replace(&mut tree, &steps, value)?;
     let mut new = Design::deserialize(tree).map_err(unreadable)?;
-    if new.chart.image == design.chart.image {
-        new.chart.pixels.clone_from(&design.chart.pixels);
-    }
-    if new.nap.image == design.nap.image {
-        new.nap.pixels.clone_from(&design.nap.pixels);
-    }
-    if new.form.image == design.form.image {
-        new.form.pixels.clone_from(&design.form.pixels);
-    }
-    let (old, new_environment) = (&design.light.environment, &mut new.light.environment);
-    if new_environment.image == old.image {
-        new_environment.pixels.clone_from(&old.pixels);
+    for slot in ImageSlot::ALL {
+        if slot.path(&new) == slot.path(design) {
+            slot.set_pixels(&mut new, slot.pixels(design));
+        }
     }
     Ok(new)
 }

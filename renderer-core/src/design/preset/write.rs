@@ -36,9 +36,9 @@ fn fields(text: &mut String, path: &str, entries: &[Entry], values: &Table, comm
     let mut lines = Vec::new();
     for entry in entries {
         match values.get(entry.name) {
-            None => lines.push(Line::left_out(entry)),
+            None => lines.push(FieldLine::left_out(entry)),
             Some(value) if is_table(&entry.shape, value) => {}
-            Some(value) => lines.push(Line::assignment(entry, value)),
+            Some(value) => lines.push(FieldLine::assignment(entry, value)),
         }
     }
     let name_width = widest(lines.iter().map(|line| &line.name));
@@ -103,13 +103,13 @@ fn is_table(shape: &Shape, value: &Value) -> bool {
 }
 
 /// One line of a table before it is aligned.
-struct Line {
+struct FieldLine {
     name: String,
     value: String,
     comment: String,
 }
 
-impl Line {
+impl FieldLine {
     fn assignment(entry: &Entry, value: &Value) -> Self {
         let value = match value {
             Value::Array(rows) if is_grid(&entry.shape) => {

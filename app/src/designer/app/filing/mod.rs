@@ -217,10 +217,7 @@ impl App {
     ) {
         match purpose {
             Purpose::OpenPreset => self.load_preset(ctx, path),
-            Purpose::OpenChart => self.load_chart(ctx, path),
-            Purpose::OpenNap => self.load_nap(ctx, path),
-            Purpose::OpenEnvironment => self.load_environment(ctx, path),
-            Purpose::OpenHeight => self.load_height(ctx, path),
+            Purpose::OpenImage(slot) => self.load_image(ctx, slot, path),
             Purpose::SavePreset | Purpose::SaveBundle => self.save_chosen(ctx, path),
             Purpose::ExportPng | Purpose::ExportExr => {
                 self.filing.remember_folder(purpose.key(), &path);

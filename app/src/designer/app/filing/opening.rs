@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use egui::Context;
-use renderer_core::design::{ChartImage, EnvironmentImage, EnvironmentKind, FormKind, HeightImage};
+use renderer_core::design::{ImagePixels, ImageSlot};
 
 use crate::designer::app::App;
 use crate::designer::document::Document;
@@ -16,10 +16,7 @@ use crate::files::{self, FileError, Opened, OwnImages, Shipped};
 /// A file that was read on another thread.
 pub(super) enum Loaded {
     Design(PathBuf, Result<Box<(Opened, OwnImages)>, FileError>),
-    Chart(PathBuf, Result<ChartImage, FileError>),
-    Nap(PathBuf, Result<ChartImage, FileError>),
-    Environment(PathBuf, Result<EnvironmentImage, FileError>),
-    Height(PathBuf, Result<HeightImage, FileError>),
+    Image(ImageSlot, PathBuf, Result<ImagePixels, FileError>),
 }
 
 impl App {
@@ -43,41 +40,18 @@ impl App {
         }));
     }
 
-    pub(in crate::designer::app) fn load_chart(&mut self, ctx: &Context, path: PathBuf) {
-        self.filing.remember_folder(Purpose::OpenChart.key(), &path);
+    pub(in crate::designer::app) fn load_image(
+        &mut self,
+        ctx: &Context,
+        slot: ImageSlot,
+        path: PathBuf,
+    ) {
+        let folder_key = Purpose::OpenImage(slot).key();
+        self.filing.remember_folder(folder_key, &path);
         self.filing.loading = Some(Task::start(ctx, move || {
             let path = std::path::absolute(&path).unwrap_or(path);
-            let chart = files::load_chart(&path);
-            Loaded::Chart(path, chart)
-        }));
-    }
-
-    pub(in crate::designer::app) fn load_nap(&mut self, ctx: &Context, path: PathBuf) {
-        self.filing.remember_folder(Purpose::OpenNap.key(), &path);
-        self.filing.loading = Some(Task::start(ctx, move || {
-            let path = std::path::absolute(&path).unwrap_or(path);
-            let map = files::load_nap(&path);
-            Loaded::Nap(path, map)
-        }));
-    }
-
-    pub(in crate::designer::app) fn load_environment(&mut self, ctx: &Context, path: PathBuf) {
-        let purpose = Purpose::OpenEnvironment.key();
-        self.filing.remember_folder(purpose, &path);
-        self.filing.loading = Some(Task::start(ctx, move || {
-            let path = std::path::absolute(&path).unwrap_or(path);
-            let image = files::load_environment(&path);
-            Loaded::Environment(path, image)
-        }));
-    }
-
-    pub(in crate::designer::app) fn load_height(&mut self, ctx: &Context, path: PathBuf) {
-        self.filing
-            .remember_folder(Purpose::OpenHeight.key(), &path);
-        self.filing.loading = Some(Task::start(ctx, move || {
-            let path = std::path::absolute(&path).unwrap_or(path);
-            let picture = files::load_height(&path);
-            Loaded::Height(path, picture)
+            let pixels = files::load_image(slot, &path);
+            Loaded::Image(slot, path, pixels)
         }));
     }
 
@@ -101,49 +75,22 @@ impl App {
                 self.take_opened(path, opened, own_images);
             }
             Some(Loaded::Design(path, Err(error))) => self.tell_not_opened(&path, &error),
-            Some(Loaded::Chart(path, Ok(image))) => {
-                let chart = &mut self.document.design.chart;
-                chart.image = Some(path.to_string_lossy().into_owned());
-                chart.pixels = Some(image);
+            Some(Loaded::Image(slot, path, Ok(pixels))) => self.take_image(slot, &path, pixels),
+            Some(Loaded::Image(slot, _, Err(error))) => {
+                let heading = files::words(slot).not_opened;
+                self.shell.notices.error(heading, error.to_string());
             }
-            Some(Loaded::Chart(_, Err(error))) => {
-                self.shell
-                    .notices
-                    .error("Chart not opened", error.to_string());
-            }
-            Some(Loaded::Nap(path, Ok(image))) => {
-                let nap = &mut self.document.design.nap;
-                nap.image = Some(path.to_string_lossy().into_owned());
-                nap.pixels = Some(image);
-            }
-            Some(Loaded::Nap(_, Err(error))) => {
-                self.shell
-                    .notices
-                    .error("Nap map not opened", error.to_string());
-            }
-            Some(Loaded::Environment(path, Ok(image))) => {
-                let environment = &mut self.document.design.light.environment;
-                environment.kind = EnvironmentKind::Image;
-                environment.image = Some(path.to_string_lossy().into_owned());
-                environment.pixels = Some(image);
-            }
-            Some(Loaded::Environment(_, Err(error))) => {
-                self.shell
-                    .notices
-                    .error("Surroundings not opened", error.to_string());
-            }
-            Some(Loaded::Height(path, Ok(picture))) => {
-                let form = &mut self.document.design.form;
-                form.kind = FormKind::Height;
-                form.image = Some(path.to_string_lossy().into_owned());
-                form.pixels = Some(picture);
-                self.viewport.fit(&self.document.design);
-            }
-            Some(Loaded::Height(_, Err(error))) => {
-                self.shell
-                    .notices
-                    .error("Height picture not opened", error.to_string());
-            }
+        }
+    }
+
+    fn take_image(&mut self, slot: ImageSlot, path: &Path, pixels: ImagePixels) {
+        let design = &mut self.document.design;
+        *slot.path_mut(design) = Some(path.to_string_lossy().into_owned());
+        slot.set_pixels(design, Some(pixels));
+        slot.show(design);
+        if slot == ImageSlot::Height {
+            // Another form is seldom where the last one was.
+            self.viewport.fit(&self.document.design);
         }
     }
 
@@ -193,7 +140,9 @@ impl App {
         }
         let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
         match ending.as_deref() {
-            Some("toml" | files::BUNDLE_ENDING) => self.shell.commands.push(Command::OpenPreset(path)),
+            Some("toml" | files::BUNDLE_ENDING) => {
+                self.shell.commands.push(Command::OpenPreset(path));
+            }
             Some("png") if files::carries_design(&path) => {
                 let name = path.file_name().unwrap_or(path.as_os_str());
                 let text = format!(
@@ -203,19 +152,20 @@ impl App {
                 self.filing.question = Some(
                     Question::new("Open its design?", text)
                         .answer("Open its design", Command::OpenPreset(path.clone()))
-                        .answer("Use as chart", Command::UseChart(path)),
+                        .answer("Use as chart", Command::UseImage(ImageSlot::Chart, path)),
                 );
             }
-            Some("png" | "jpg" | "jpeg") => self.shell.commands.push(Command::UseChart(path)),
-            Some("hdr" | "exr") => self.shell.commands.push(Command::UseEnvironment(path)),
-            _ => self.shell.notices.error(
-                "Not opened",
-                format!(
-                    "{}: drop a design (.toml, .towel, or a .png exported here), a chart image (.png, .jpg) or an \
-                    image of the surroundings (.hdr, .exr).",
-                    path.display()
-                ),
-            ),
+            ending => match ending.and_then(files::dropped) {
+                Some(slot) => self.shell.commands.push(Command::UseImage(slot, path)),
+                None => {
+                    let text = format!(
+                        "{}: drop a design (.toml, .towel, or a .png exported here), a chart image (.png, .jpg) or an \
+                         image of the surroundings (.hdr, .exr).",
+                        path.display()
+                    );
+                    self.shell.notices.error("Not opened", text);
+                }
+            },
         }
     }
 }

@@ -5,12 +5,12 @@ mod yarns;
 
 use egui::{Color32, DragValue, Stroke, Ui, vec2};
 use renderer_core::design::chart_edit::YarnCounts;
-use renderer_core::design::{Chart, ChartImage, Design, Fit, Sheet};
+use renderer_core::design::{Chart, ChartImage, Design, Fit, ImageSlot, Sheet};
 
 use crate::designer::chart_editor::ChartEditor;
 use crate::designer::document::labels::label_of;
 use crate::designer::panels::choice_row::{check, choice, colour};
-use crate::designer::panels::image_preview::{Picture, reduced};
+use crate::designer::panels::image_preview::{Picture, file_label, reduced};
 use crate::designer::panels::surroundings::Surroundings;
 use crate::designer::shell::command::Command;
 use crate::designer::widgets::{Thumbnail, check_box, row, show_thumbnail};
@@ -69,7 +69,7 @@ fn files(ui: &mut Ui, chart: &mut Chart, around: &mut Surroundings<'_>) {
             .on_hover_text("Chooses an image; one can also be dropped on the window.")
             .clicked()
         {
-            around.commands.push(Command::OpenChart);
+            around.commands.push(Command::OpenImage(ImageSlot::Chart));
         }
         let paste = ui.button("Paste").accessible_name("Paste chart");
         if paste
@@ -122,13 +122,7 @@ fn picture(ui: &mut Ui, state: &mut State, chart: &Chart, sheet: &Sheet) {
             grid(ui, rect, chart, sheet, image);
         }
         ui.vertical(|ui| {
-            let path = chart.image.as_deref().unwrap_or("painted here");
-            let name = std::path::Path::new(path)
-                .file_name()
-                .map_or_else(|| path.into(), |name| name.to_string_lossy());
-            let text = format!("{name}, {width} × {height} px");
-            ui.add(egui::Label::new(egui::RichText::new(text).weak()).wrap())
-                .on_hover_text(path);
+            file_label(ui, chart.image.as_deref(), "painted here", [width, height]);
             edit_button(ui, &mut state.editor);
             check_box(ui, &mut state.shows_grid, "Grid").on_hover_text(
                 "Lines between the crossings of the cloth, or every tenth or hundredth of them.",

@@ -1,7 +1,7 @@
 //! The menu of ready patterns.
 
 use egui::{Align2, Popup, Response, Role, Sense, StrokeKind, TextStyle, Ui, WidgetInfo, vec2};
-use renderer_core::design::{READY_PATTERNS, ReadyPattern, Weave};
+use renderer_core::design::{LibraryWeave, WEAVE_LIBRARY, Weave};
 
 use super::legend;
 
@@ -17,7 +17,7 @@ pub(super) fn menu(ui: &mut Ui, weave: &mut Weave) {
     );
     Popup::menu(&button).show(|ui| {
         ui.set_width(4.0 * ENTRY.x + 3.0 * ui.spacing().item_spacing.x);
-        for four in READY_PATTERNS.chunks(4) {
+        for four in WEAVE_LIBRARY.chunks(4) {
             ui.horizontal(|ui| {
                 for ready in four {
                     if entry(ui, ready, weave).clicked() {
@@ -30,7 +30,7 @@ pub(super) fn menu(ui: &mut Ui, weave: &mut Weave) {
     });
 }
 
-fn entry(ui: &mut Ui, ready: &ReadyPattern, weave: &Weave) -> Response {
+fn entry(ui: &mut Ui, ready: &LibraryWeave, weave: &Weave) -> Response {
     let (rect, response) = ui.allocate_exact_size(ENTRY, Sense::click());
     let pattern = ready.pattern();
     let is_used = pattern == weave.pattern;

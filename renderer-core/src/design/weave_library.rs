@@ -1,4 +1,4 @@
-//! Ready stitch patterns: the weaves that every designer of towels knows, in this program's stitch values.
+//! The weave library: the weaves that every designer of towels knows, in this program's stitch values.
 //!
 //! Flat weaves (plain, twill, satin, rib, waffle) are drawn as on point paper: 1 where the warp lies over the weft, 0
 //! where the weft does. In pile weaves ground and pile ends take turns, one column each. A pile end is bound under one
@@ -15,7 +15,7 @@ use super::{Back, Pattern, Weave};
 
 /// A weave that can be chosen instead of painted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ReadyPattern {
+pub struct LibraryWeave {
     /// What designers call it.
     pub name: &'static str,
     /// How it is built and what it is for.
@@ -26,7 +26,7 @@ pub struct ReadyPattern {
     rows: &'static [&'static [u8]],
 }
 
-impl ReadyPattern {
+impl LibraryWeave {
     /// The stitch pattern.
     pub fn pattern(&self) -> Pattern {
         let cols = self.rows.first().map_or(0, |row| row.len());
@@ -42,21 +42,21 @@ impl ReadyPattern {
     }
 }
 
-/// All ready patterns, in menu order.
-pub const READY_PATTERNS: [ReadyPattern; 8] = [
-    ReadyPattern {
+/// All of the library, in menu order.
+pub const WEAVE_LIBRARY: [LibraryWeave; 8] = [
+    LibraryWeave {
         name: "Plain",
         what: "Flat. Warp and weft take turns at every crossing: the firmest weave, for hems and narrow borders.",
         back: None,
         rows: &[&[1, 0], &[0, 1]],
     },
-    ReadyPattern {
+    LibraryWeave {
         name: "Twill",
         what: "Flat. Each yarn goes over two and under two, one step to the right with every pick: diagonal ribs.",
         back: None,
         rows: &[&[1, 1, 0, 0], &[0, 1, 1, 0], &[0, 0, 1, 1], &[1, 0, 0, 1]],
     },
-    ReadyPattern {
+    LibraryWeave {
         name: "Satin",
         what: "Flat. Five ends, counter 2: the warp covers four of five crossings, smooth and shiny, for borders.",
         back: None,
@@ -68,27 +68,29 @@ pub const READY_PATTERNS: [ReadyPattern; 8] = [
             &[1, 1, 1, 0, 1],
         ],
     },
-    ReadyPattern {
+    LibraryWeave {
         name: "Terry 3-pick",
         what: "Loops on both faces, one for every three picks: the usual bath towel. The ground is a 2/1 rib.",
         back: Some(Back::Pattern),
         rows: &[&[1, 9, 0, 9], &[1, 0, 0, 0], &[0, 1, 1, 1]],
     },
-    ReadyPattern {
+    LibraryWeave {
         name: "Terry 4-pick",
-        what: "Loops on both faces, one for every four picks: held faster and standing farther apart. The ground is a 2/2 rib.",
+        what: "Loops on both faces, one for every four picks: held faster and standing farther apart. The ground is \
+               a 2/2 rib.",
         back: Some(Back::Pattern),
         rows: &[&[1, 9, 0, 9], &[1, 0, 0, 0], &[0, 1, 1, 1], &[0, 1, 1, 1]],
     },
-    ReadyPattern {
+    LibraryWeave {
         name: "Rib",
         what: "Flat. Two picks lie in each shed of a plain weave: fine ribs from side to side.",
         back: None,
         rows: &[&[1, 0], &[1, 0], &[0, 1], &[0, 1]],
     },
-    ReadyPattern {
+    LibraryWeave {
         name: "Waffle",
-        what: "Flat. Honeycomb on eight ends and eight picks: floats that grow and shrink around hollows of plain weave.",
+        what: "Flat. Honeycomb on eight ends and eight picks: floats that grow and shrink around hollows of \
+               plain weave.",
         back: None,
         rows: &[
             &[0, 0, 0, 1, 0, 0, 0, 0],
@@ -101,9 +103,10 @@ pub const READY_PATTERNS: [ReadyPattern; 8] = [
             &[0, 0, 1, 0, 1, 0, 0, 0],
         ],
     },
-    ReadyPattern {
+    LibraryWeave {
         name: "Velvet",
-        what: "Pile on the front only, staggered, each tuft held by one pick of a plain ground. Choose cut pile to go with it.",
+        what: "Pile on the front only, staggered, each tuft held by one pick of a plain ground. Choose \
+               cut pile to go with it.",
         back: Some(Back::None),
         rows: &[&[1, 7, 0, 0], &[0, 0, 1, 7]],
     },

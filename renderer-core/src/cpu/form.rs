@@ -230,8 +230,8 @@ impl<'a> BentSegments<'a> {
     }
 }
 
-/// Where a ray leaves a tetrahedron, and into which it goes; `None` out of the cloth. `origin` and `slope` are coordinates
-/// of the facet.
+/// Where a ray leaves a tetrahedron, and into which it goes; `None` out of the cloth. `origin` and `slope` are
+/// coordinates of the facet.
 fn exit(
     facet: [i64; 2],
     [first, second, third]: KuhnTetrahedron,

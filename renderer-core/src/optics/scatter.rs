@@ -75,16 +75,16 @@ impl Lobe {
     }
 }
 
-/// A direction to the sky, drawn.
+/// A direction to the environment, drawn at random.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FromSky {
+pub struct EnvironmentSample {
     /// Unit vector in sheet space.
     pub direction: DVec3,
     /// That direction as a unit vector in the world.
     pub in_world: DVec3,
     /// ψ/albedo over its density.
     pub weight: f64,
-    /// Drawn by the sky's light, not by the phase.
+    /// Drawn by the environment's light, not by the phase.
     pub by_light: bool,
 }
 
@@ -274,11 +274,11 @@ impl Optics {
         sides: [f64; 2],
         [u, v, side]: [f64; 3],
         turn: Option<DMat3>,
-    ) -> FromSky {
+    ) -> EnvironmentSample {
         let into_world = |direction: DVec3| turn.map_or(direction, |turn| turn * direction);
         let Some((light, middle)) = sky.drawn() else {
             let (direction, weight) = self.sample_environment(lobe, view, sides, [u, v, side]);
-            return FromSky {
+            return EnvironmentSample {
                 direction,
                 in_world: into_world(direction),
                 weight,
@@ -319,7 +319,7 @@ impl Optics {
         };
         let of_light = half(in_world, down_in_world) * light.density(in_world, middle);
         let density = f64::from(share) * by_phase + f64::from(rest) * of_light;
-        FromSky {
+        EnvironmentSample {
             direction,
             in_world,
             weight: self.value(lobe, view, direction) / density.max(1e-20),

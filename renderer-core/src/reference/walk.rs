@@ -59,8 +59,8 @@ pub struct LoopPlace {
 }
 
 impl Grid {
-    /// The grid over a sheet, high enough for its loops and for yarns that reach `yarn_height` mm to both sides of it, if
-    /// there are any.
+    /// The grid over a sheet, high enough for its loops and for yarns that reach `yarn_height` mm to both sides of it,
+    /// if there are any.
     pub fn new(sheet: &SheetGeometry, loops: &Loops, yarn_height: Option<f64>) -> Self {
         let [mut z_low, mut z_high] = loops.z_range_mm.map(f64::from);
         if let Some(height) = yarn_height {

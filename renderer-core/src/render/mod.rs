@@ -147,12 +147,12 @@ impl Settings {
 /// Where a picture stands.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Progress {
-    /// Whole samples so far of every pixel that is still drawn. Pixels of tiles that have converged have fewer, and those of
-    /// tiles that show background alone need none; where a whole picture is background, this is the number asked
-    /// for. While 0, [`Backend::picture`] may be coarse.
+    /// Whole samples so far of every pixel that is still drawn. Pixels of tiles that have converged have fewer, and
+    /// those of tiles that show background alone need none; where a whole picture is background, this is the number
+    /// asked for. While 0, [`Backend::picture`] may be coarse.
     pub samples: u32,
-    /// Estimated relRMSE (MODEL.md §11) of the mean so far, all pixels included whatever their number of samples, from the
-    /// spread of independent scrambles; `None` below [`convergence::FEWEST_FOR_ERROR`] samples.
+    /// Estimated relRMSE (MODEL.md §11) of the mean so far, all pixels included whatever their number of samples, from
+    /// the spread of independent scrambles; `None` below [`convergence::FEWEST_FOR_ERROR`] samples.
     pub error_estimate: Option<f64>,
     /// True when nothing is left to do.
     pub done: bool,
@@ -277,7 +277,7 @@ pub trait Backend: Send {
     /// When the request is beyond the device.
     fn begin(&mut self, request: &RenderRequest) -> Result<(), RenderError>;
 
-    /// The same, but does not wait for what a device has to make first, such as compiled shaders: until [`Self::is_ready`]
+    /// Begins without waiting for what a device has to make first, such as compiled shaders: until [`Self::is_ready`]
     /// nothing is drawn, and [`Self::advance`] only waits.
     ///
     /// # Errors
@@ -312,8 +312,8 @@ pub trait Backend: Send {
     /// When the device fails.
     fn counters(&mut self) -> Result<Counters, RenderError>;
 
-    /// Time of a sample of the picture begun if nothing is traced and only rays are made and sums written: what the rest
-    /// is held against. `None` where that means nothing. The picture has to be begun again.
+    /// Time of a sample of the picture begun if nothing is traced and only rays are made and sums written: what the
+    /// rest is held against. `None` where that means nothing. The picture has to be begun again.
     ///
     /// # Errors
     /// When the device fails.

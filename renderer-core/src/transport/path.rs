@@ -169,7 +169,8 @@ impl<'a, M: Medium> PathTracer<'a, M> {
         Sample { radiance, first }
     }
 
-    /// Light scattered towards `view`, but for the albedo: of suns and area lights, and of the environment if it is to be seen.
+    /// Light scattered towards `view`, but for the albedo: of suns and area lights, and of the environment if it is to
+    /// be seen.
     #[inline(always)]
     fn light(&mut self, vertex: &Vertex, view: DVec3, gather: Gather) -> DVec3 {
         let medium = self.medium;
@@ -225,8 +226,8 @@ impl<'a, M: Medium> PathTracer<'a, M> {
         sum
     }
 
-    /// Light from a random direction to light `number`: suns and area lights first, then the environment. `point` is where the vertex
-    /// lies in the world.
+    /// Light from a random direction to light `number`: suns and area lights first, then the environment. `point` is
+    /// where the vertex lies in the world.
     #[inline(always)]
     fn light_sample(
         &self,

@@ -1,6 +1,6 @@
 # shellcheck shell=bash
 # Installs what a fresh machine lacks. app/run, tests/run and .ci/run source this and call
-# `install_for headless|window|tests|ci`. It speaks on stderr only: stdout belongs to the program.
+# `install_for headless|window|tests|ci [c++]`. It speaks on stderr only: stdout belongs to the program.
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." >/dev/null && pwd)
 needed_rust=$(sed -n 's/^rust-version = "\([0-9]*\.[0-9]*\).*/\1/p' "$root/Cargo.toml")
@@ -17,7 +17,7 @@ install_for() {
     local packages=() lacking=() as_root=() to_do=() updated=
     # Windows and macOS bring everything but Rust along.
     if [[ $(uname -s) == Linux ]]; then
-        find_lacking "$1"
+        find_lacking "$@"
         if command -v apt-get >/dev/null; then
             rust_is_new_enough || has_rustup || find_rustup_package
             install_packages
@@ -35,7 +35,10 @@ list() { local text; printf -v text '%s, ' "$@"; printf '%s' "${text%, }"; }
 
 find_lacking() {
     need ca-certificates "TLS certificates" has_certificates
-    need g++ "a linker and a C++ compiler (cc, c++)" can_link cc c++
+    # Wayland's library is bound by a little C.
+    need gcc "a linker and a C compiler (cc)" command -v cc
+    need libc6-dev "the C library's development files" can_link
+    [[ " $* " != *" c++ "* ]] || need g++ "a C++ compiler (c++)" command -v c++
     [[ $1 != headless ]] || return 0
 
     # The program opens these by name when it runs, so no link step notices that one is missing.
@@ -75,10 +78,8 @@ has_certificates() { [[ -n ${SSL_CERT_FILE-}${CARGO_HTTP_CAINFO-} ]] || compgen 
 
 # A compiler alone links nothing: crt1.o comes with the C library's development files.
 can_link() {
-    local compiler crt
-    for compiler; do
-        crt=$("$compiler" -print-file-name=crt1.o) && [[ -e $crt ]] || return 1
-    done
+    local crt
+    crt=$(cc -print-file-name=crt1.o) && [[ -e $crt ]]
 }
 
 has_library() { [[ $libraries == *$'\t'"$1 "* ]]; }

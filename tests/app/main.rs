@@ -7,7 +7,6 @@
 )]
 
 mod advice;
-mod bench;
 mod bundles;
 mod chart_files;
 mod cli;

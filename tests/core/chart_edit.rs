@@ -5,8 +5,8 @@ use std::collections::{HashMap, HashSet};
 use palette::{FromColor, Oklab, Srgb};
 use renderer_core::design::chart_edit::{
     BARE, Dither, Resampling, YarnCounts, choose_yarns, crop, draw_line, flip_x, flip_y,
-    linear_from_oklab, nearest_srgb, oklab, oklab_from_linear, outline_rectangle, reduce_to,
-    replace_yarn, resize, rotate_left, rotate_right,
+    linear_from_oklab, nearest_srgb, oklab, oklab_from_linear, outline_rectangle, precise_oklab,
+    reduce_to, replace_yarn, resize, rotate_left, rotate_right,
 };
 use renderer_core::design::{ChartImage, TILE};
 use renderer_core::image::{encode_chart_png, png_text};
@@ -279,6 +279,17 @@ fn oklab_is_the_published_one() {
             // f32 with numbers of the order of 1, a few roundings.
             assert!(
                 (f64::from(found) - expected).abs() < 2e-6,
+                "{colour:?}: {found} {expected}"
+            );
+        }
+        let precise = precise_oklab(colour);
+        for (found, expected) in precise
+            .into_iter()
+            .zip([expected.l, expected.a, expected.b])
+        {
+            // The published matrices have ten digits.
+            assert!(
+                (found - expected).abs() < 1e-6,
                 "{colour:?}: {found} {expected}"
             );
         }

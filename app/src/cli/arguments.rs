@@ -3,6 +3,11 @@
 use renderer_core::design::{Method, Shaped};
 use renderer_core::render::MAX_SIDE;
 
+/// An argument that cannot be used, found after parsing.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct BadArgument(pub String);
+
 /// `WxH`, each side 1 to [`MAX_SIDE`].
 pub fn size(text: &str) -> Result<[u32; 2], String> {
     let allowed = || format!("allowed is WIDTHxHEIGHT, each 1 to {MAX_SIDE} pixels");

@@ -4,7 +4,7 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::BadArgument;
+use super::arguments::BadArgument;
 use crate::files::open_design;
 
 /// Arguments of `check`.

@@ -3,13 +3,11 @@
 //! Results go to files and to stdout, everything else to stderr. Exit codes: 0 done, 1 failed, 2 bad arguments or
 //! preset.
 
-mod arguments;
-pub mod bench;
+pub mod arguments;
 mod check;
-mod edits;
+pub mod exit;
 mod export;
 mod info;
-mod pace;
 mod render;
 mod stats;
 
@@ -18,14 +16,11 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
-use renderer_core::render::RenderError;
-use renderer_core::scene::CompileError;
-use tracing_subscriber::EnvFilter;
-use tracing_subscriber::filter::LevelFilter;
 
-use crate::advice::{Place, with_advice, with_advice_on_cloth};
+use self::arguments::BadArgument;
 use crate::backend::BackendChoice;
-use crate::files::FileError;
+
+pub use stats::scene_bytes;
 
 /// Design towels and carpets and see every yarn loop while you do. Without a command, the designer opens.
 #[derive(Debug, Parser)]
@@ -51,13 +46,6 @@ struct Arguments {
 enum Command {
     /// Render a preset to a PNG (as displayed) or EXR (linear) file.
     Render(Box<render::RenderArguments>),
-    /// Measure what presets cost: run time against error, skips, backends, growth, first pictures; tables, plots and a
-    /// summary.
-    Bench(bench::BenchArguments),
-    /// Measure how smoothly the window goes while it renders: the times between its frames.
-    Pace(pace::PaceArguments),
-    /// Measure how long an edit takes until the picture is whole again.
-    Edits(edits::EditsArguments),
     /// Validate presets; print every fault with line and column.
     Check(check::CheckArguments),
     /// Write what a preset is made of: its loops, volumes or turbulence.
@@ -67,35 +55,9 @@ enum Command {
     Info,
 }
 
-/// An argument that cannot be used, found after parsing.
-#[derive(Debug, thiserror::Error)]
-#[error("{0}")]
-struct BadArgument(String);
-
 /// Runs the program on the process's arguments.
 pub fn main() -> ExitCode {
-    start_log();
-    match run() {
-        Ok(()) => ExitCode::SUCCESS,
-        // Who reads our output has seen enough, as in `towel-designer info | head -1`.
-        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {}", message(&error));
-            ExitCode::from(if is_bad_input(&error) { 2 } else { 1 })
-        }
-    }
-}
-
-/// Warnings, and what the variable RUST_LOG asks for, go to stderr.
-fn start_log() {
-    let filter = EnvFilter::builder()
-        .with_default_directive(LevelFilter::WARN.into())
-        .from_env_lossy();
-    tracing_subscriber::fmt()
-        .with_writer(std::io::stderr)
-        .with_env_filter(filter)
-        .without_time()
-        .init();
+    exit::code(run)
 }
 
 fn run() -> anyhow::Result<()> {
@@ -109,9 +71,6 @@ fn run() -> anyhow::Result<()> {
     };
     match arguments.command {
         Some(Command::Render(arguments)) => render::run(&arguments),
-        Some(Command::Bench(arguments)) => bench::run(&arguments),
-        Some(Command::Pace(arguments)) => pace::run(&arguments),
-        Some(Command::Edits(arguments)) => edits::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
         Some(Command::Export(export)) => export::run(&export),
         Some(Command::Info) => info::run(),
@@ -140,35 +99,4 @@ fn reject_unknown_word(word: Option<OsString>) -> Result<(), BadArgument> {
         "{text}: there is no such preset, nor such a command; commands are {}",
         commands.join(", ")
     )))
-}
-
-/// The error with what helps. Messages are whole sentences: they name their cause themselves.
-fn message(error: &anyhow::Error) -> String {
-    let render = error.chain().find_map(|cause| cause.downcast_ref());
-    let cloth = error.chain().find_map(|cause| cause.downcast_ref());
-    match (render, cloth) {
-        (Some(error), _) => with_advice(error, Place::CommandLine),
-        (None, Some(error)) => with_advice_on_cloth(error),
-        (None, None) => error.to_string(),
-    }
-}
-
-fn is_broken_pipe(error: &anyhow::Error) -> bool {
-    let io: Option<&std::io::Error> = error.downcast_ref();
-    io.is_some_and(|error| error.kind() == std::io::ErrorKind::BrokenPipe)
-}
-
-/// Whether what the user gave is at fault, rather than the machine.
-fn is_bad_input(error: &anyhow::Error) -> bool {
-    error.chain().any(|cause| {
-        cause.is::<BadArgument>()
-            || cause.is::<CompileError>()
-            || cause
-                .downcast_ref::<FileError>()
-                .is_some_and(FileError::is_bad_input)
-            || matches!(
-                cause.downcast_ref(),
-                Some(RenderError::Size(_) | RenderError::BeyondAdapter { .. })
-            )
-    })
 }

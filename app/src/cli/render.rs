@@ -16,8 +16,8 @@ use renderer_core::render::{Backend, Optimisation, Optimisations, Settings};
 use renderer_core::scene::lod::{LodBudget, LodCloth, LodCompiler, LodPlan};
 use renderer_core::scene::{self, Cancel, CompileError, Compiler};
 
+use super::arguments::{self, BadArgument};
 use super::stats::{Seconds, Stats};
-use super::{BadArgument, arguments};
 use crate::backend::{self, BackendChoice};
 use crate::files::{self, Opened};
 use crate::picture_file::{self, BAND_BYTES, Failure, Format, Made, PictureOrder, Standing};

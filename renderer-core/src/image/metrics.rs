@@ -1,7 +1,6 @@
 //! How far two pictures are apart, and what one picture is like (MODEL.md §11). Linear RGB; alpha does not count.
 
-use super::{Display, Picture};
-use crate::design::ToneMap;
+use super::Picture;
 
 /// Why two pictures cannot be compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -39,35 +38,6 @@ pub fn mean(picture: &Picture) -> f64 {
     let channels = picture.pixels.iter().flat_map(|pixel| &pixel[..3]);
     let sum: f64 = channels.map(|&channel| f64::from(channel)).sum();
     sum / (3 * picture.pixels.len()).max(1) as f64
-}
-
-/// Pixels to a degree of the eye's view, for [`flip`]: a screen of 0.7 m width and 3840 pixels, seen from 0.7 m.
-const PIXELS_PER_DEGREE: f32 = 67.0;
-
-/// ꟻLIP: how different the two look to someone who flips between them, 0 to 1, mean over all pixels (Andersson et al.
-/// 2020). Both as displayed at `exposure` (stops) with a hard clip, 8 bits a channel; b is the truth.
-///
-/// # Errors
-/// When the sizes differ.
-pub fn flip(a: &Picture, b: &Picture, exposure: f64) -> Result<f64, SizesDiffer> {
-    check_sizes(a, b)?;
-    let display = Display {
-        exposure,
-        tone_map: ToneMap::None,
-    };
-    let shown = |picture: &Picture| {
-        let colours = picture.pixels.iter().flat_map(|&[r, g, b, _]| {
-            let shown = display.encode([r, g, b]);
-            shown.map(|channel| (channel * 255.0).round() as u8)
-        });
-        let bytes: Vec<u8> = colours.collect();
-        nv_flip::FlipImageRgb8::with_data(picture.size[0], picture.size[1], &bytes)
-    };
-    if b.pixels.is_empty() {
-        return Ok(0.0);
-    }
-    let map = nv_flip::flip(shown(b), shown(a), PIXELS_PER_DEGREE).to_vec();
-    Ok(map.iter().map(|&error| f64::from(error)).sum::<f64>() / map.len() as f64)
 }
 
 /// The largest absolute difference of any channel; NaN if any difference is.

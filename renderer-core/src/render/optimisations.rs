@@ -28,15 +28,11 @@ pub enum Optimisation {
     UnusedShading,
     /// Parts of a scene whose inputs did not change. Exact.
     UnchangedSections,
-    /// Frames of loops that pattern, chart or length leave out. Exact.
-    UnplantedLoops,
-    /// Everything, once the picture is done.
-    Idle,
 }
 
 impl Optimisation {
     /// All of them.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 8] = [
         Self::EmptyCells,
         Self::RepeatedTests,
         Self::BackgroundTiles,
@@ -45,8 +41,6 @@ impl Optimisation {
         Self::HiddenGround,
         Self::UnusedShading,
         Self::UnchangedSections,
-        Self::UnplantedLoops,
-        Self::Idle,
     ];
 
     /// Its name on the command line.
@@ -60,8 +54,6 @@ impl Optimisation {
             Self::HiddenGround => "hidden-ground",
             Self::UnusedShading => "unused-shading",
             Self::UnchangedSections => "unchanged-sections",
-            Self::UnplantedLoops => "unplanted-loops",
-            Self::Idle => "idle",
         }
     }
 
@@ -98,7 +90,6 @@ impl From<Optimisations> for CompilerOptions {
     fn from(optimisations: Optimisations) -> Self {
         Self {
             keeps_unchanged: optimisations.has(Optimisation::UnchangedSections),
-            skips_unplanted: optimisations.has(Optimisation::UnplantedLoops),
         }
     }
 }

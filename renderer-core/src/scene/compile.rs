@@ -121,15 +121,12 @@ pub fn warnings(design: &Design, scene: &Scene) -> Vec<Warning> {
 pub struct CompilerOptions {
     /// Sections whose inputs did not change are kept.
     pub keeps_unchanged: bool,
-    /// Loops that pattern, chart or length leave out get no frames.
-    pub skips_unplanted: bool,
 }
 
 impl Default for CompilerOptions {
     fn default() -> Self {
         Self {
             keeps_unchanged: true,
-            skips_unplanted: true,
         }
     }
 }
@@ -463,8 +460,7 @@ impl Compiler {
         });
         let frames = match (visible, &cells) {
             (Some(visible), Some(cells)) => Frames::Visible(cells, visible),
-            _ if self.options.skips_unplanted => Frames::Of(&standing),
-            _ => Frames::All,
+            _ => Frames::Of(&standing),
         };
         let turbulence = self.turbulence_of(inputs, frames, &standing, cancel)?;
         let (planted, frames_made) = timed(&mut self.report.seconds.frames, || {

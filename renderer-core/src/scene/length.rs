@@ -1,10 +1,10 @@
 //! From the colour of a texel to the length of its loop, mm, and to its row of the material table (MODEL.md §6).
 
-use palette::{FromColor, Oklab, Srgb};
 use rayon::prelude::*;
 
 use super::chart::ChartOnSheet;
 use super::curve::MonotoneCurve;
+use crate::design::chart_edit::precise_oklab;
 use crate::design::{Length, LengthEntry, LengthMap};
 use crate::scene::SheetGeometry;
 
@@ -63,28 +63,22 @@ pub fn luma([r, g, b]: [u8; 3]) -> f64 {
 
 /// The colours of the table's rows in Oklab, where distance is perceived difference.
 #[derive(Debug, Clone)]
-struct ColourTable(Vec<Oklab<f64>>);
+struct ColourTable(Vec<[f64; 3]>);
 
 impl ColourTable {
     fn new(rows: &[LengthEntry]) -> Self {
-        Self(rows.iter().map(|row| oklab(row.colour.0)).collect())
+        Self(rows.iter().map(|row| precise_oklab(row.colour.0)).collect())
     }
 
     /// The row nearest to a colour, the first of equals; `None` in an empty table.
     fn nearest(&self, colour: [u8; 3]) -> Option<usize> {
-        let place = oklab(colour);
-        let distance = |row: &Oklab<f64>| {
-            (row.l - place.l).powi(2) + (row.a - place.a).powi(2) + (row.b - place.b).powi(2)
-        };
+        let [l, a, b] = precise_oklab(colour);
+        let distance =
+            |row: &[f64; 3]| (row[0] - l).powi(2) + (row[1] - a).powi(2) + (row[2] - b).powi(2);
         let by_distance = |a: &(usize, f64), b: &(usize, f64)| a.1.total_cmp(&b.1);
         let rows = self.0.iter().map(distance).enumerate();
         rows.min_by(by_distance).map(|(row, _)| row)
     }
-}
-
-fn oklab(colour: [u8; 3]) -> Oklab<f64> {
-    let encoded = Srgb::from(colour).into_format::<f64>();
-    Oklab::from_color(encoded.into_linear())
 }
 
 /// What the chart decides for the loops of every cell.

@@ -33,9 +33,6 @@ pub(super) enum Frames<'a> {
     Of(&'a CellSet),
     /// Those of the loops that stand in these cells, to keep the loops that reach visible cells.
     Visible(&'a CellSet, &'a VisibleCells),
-    /// Both of every cell, to drop those that do not stand: what
-    /// [`CompilerOptions::skips_unplanted`](super::CompilerOptions) leaves out.
-    All,
 }
 
 /// Loops of one weft.
@@ -109,12 +106,10 @@ impl LoopsInputs {
     pub(super) fn wanted(&self, frames: Frames<'_>, standing: &CellSet) -> Wanted {
         let settings = self.frames.common();
         let tilts = self.frames.all().iter().any(|row| row.tilt != 0.0);
-        match frames {
-            Frames::Of(cells) | Frames::Visible(cells, _) => Wanted {
-                cells: cells.clone().or(&Self::sampled(standing)),
-                channels: [tilts, tilts, settings.stretch != 0.0, settings.twist != 0.0],
-            },
-            Frames::All => Wanted::all(&self.sheet),
+        let (Frames::Of(cells) | Frames::Visible(cells, _)) = frames;
+        Wanted {
+            cells: cells.clone().or(&Self::sampled(standing)),
+            channels: [tilts, tilts, settings.stretch != 0.0, settings.twist != 0.0],
         }
     }
 
@@ -139,7 +134,6 @@ impl LoopsInputs {
                     Frames::Visible(cells, visible) => {
                         self.row(turbulence, &faces, cells, Some(visible), j)
                     }
-                    Frames::All => self.whole_row(turbulence, &faces, j),
                 }
             })
             .collect();
@@ -209,30 +203,6 @@ impl LoopsInputs {
     fn box_of(&self, shape: &LoopPatch) -> [DVec3; 2] {
         let common = self.frames.common();
         box_of(shape, common.base_width as f32, common.thickness as f32)
-    }
-
-    /// The loops of weft `j`, found by making the frames of both faces of every cell and dropping those that do not
-    /// stand.
-    fn whole_row(&self, turbulence: &TurbulenceField, faces: &Faces, j: usize) -> Row {
-        let mut row = Row::default();
-        for i in 0..self.sheet.warps as usize {
-            let (length, settings) = self.of_cell(i, j);
-            for (face, stands) in FACES.into_iter().zip(faces.at(i, j)) {
-                let stands = stands && length > 0.0;
-                // Where the chart has no length any other costs as much.
-                let any = if stands { length } else { settings.max_length };
-                let input = self.input(turbulence, [i, j], face, any);
-                let mut counts = LoopCounts::default();
-                row.frames_made += 1;
-                let shape = loop_shape(settings, &input, &mut counts);
-                if stands {
-                    row.counts = row.counts.plus(counts);
-                    row.warps.extend(shape.map(|_| i as u32));
-                    row.patches.extend(shape);
-                }
-            }
-        }
-        row
     }
 
     fn input(

@@ -34,7 +34,7 @@ MOST_SAMPLES = 512
 
 def arguments():
     parser = argparse.ArgumentParser(prog="run", description=__doc__)
-    parser.add_argument("--binary", required=True, help="our program; run builds it unless told")
+    parser.add_argument("--binary", required=True, help="our program, beside which towel-bench lies; run builds both where none is given")
     parser.add_argument("--preset", required=True)
     parser.add_argument("--cache", required=True, help="folder of the peers' environments")
     parser.add_argument("-o", "--output", default="peers-out", help="folder to write to")

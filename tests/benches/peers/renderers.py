@@ -81,7 +81,7 @@ class Ours:
     def edit(self, there, _back):
         """The edit and taking it back, each after the other was shown."""
         out = self.folder / "edits.json"
-        command = [self.program, "edits", self.field.preset, "--edit", there.length, "--repeats", "1", "--size", self.size]
+        command = [Path(self.program).with_name("towel-bench"), "edits", self.field.preset, "--edit", there.length, "--repeats", "1", "--size", self.size]
         command += ["-o", out, "--backend", "cpu", *self.field.sets, *self.arguments]
         subprocess.run([str(word) for word in command], check=True, stdout=subprocess.DEVNULL)
         times = lambda part: {"wall": part["wall"], "cpu": part["processor"]}

@@ -10,7 +10,7 @@ use renderer_core::scene;
 use serde_json::json;
 
 use super::loops::records;
-use crate::cli::BadArgument;
+use crate::cli::arguments::BadArgument;
 use crate::files;
 
 /// Bytes of one vertex: position 3 × f32, colour 4 × u16.

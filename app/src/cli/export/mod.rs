@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Subcommand};
 use renderer_core::design::Design;
 
-use super::{BadArgument, arguments};
+use super::arguments::{self, BadArgument};
 use crate::files;
 
 /// What to export.

@@ -6,7 +6,7 @@ mod reduce;
 mod reshape;
 mod yarns;
 
-pub use oklab::{linear_from_oklab, nearest_srgb, oklab, oklab_from_linear};
+pub use oklab::{linear_from_oklab, nearest_srgb, oklab, oklab_from_linear, precise_oklab};
 pub use paint::{LARGEST_BRUSH, draw_line, outline_rectangle};
 pub use reduce::{Dither, MOST_YARNS, choose_yarns, reduce_to};
 pub use reshape::{Resampling, crop, flip_x, flip_y, resize, rotate_left, rotate_right};

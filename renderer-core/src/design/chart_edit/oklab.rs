@@ -1,6 +1,5 @@
 //! Oklab (Björn Ottosson, "A perceptual color space for image processing", 2020), in which distances are perceived
-//! differences of colour. In f32 and with tables, since charts have millions of pixels; lengths of single colours use
-//! f64 (`scene/length.rs`).
+//! differences of colour. In f32 and with tables, since charts have millions of pixels, and in f64 for single colours.
 
 use std::sync::LazyLock;
 
@@ -36,17 +35,42 @@ pub fn oklab(colour: [u8; 3]) -> [f32; 3] {
     oklab_from_linear(linear(colour))
 }
 
+/// What the three kinds of cones see of linear light.
+const CONES: [[f64; 3]; 3] = [
+    [0.412_221_470_8, 0.536_332_536_3, 0.051_445_992_9],
+    [0.211_903_498_2, 0.680_699_545_1, 0.107_396_956_6],
+    [0.088_302_461_9, 0.281_718_837_6, 0.629_978_700_5],
+];
+
+/// L, a and b of the cube roots of that.
+const LAB: [[f64; 3]; 3] = [
+    [0.210_454_255_3, 0.793_617_785_0, -0.004_072_046_8],
+    [1.977_998_495_1, -2.428_592_205_0, 0.450_593_709_9],
+    [0.025_904_037_1, 0.782_771_766_2, -0.808_675_766_0],
+];
+
+/// The numbers of a matrix in f32.
+const fn rounded(m: [[f64; 3]; 3]) -> [[f32; 3]; 3] {
+    const fn row([a, b, c]: [f64; 3]) -> [f32; 3] {
+        [a as f32, b as f32, c as f32]
+    }
+    [row(m[0]), row(m[1]), row(m[2])]
+}
+
 /// Oklab of linear light.
 #[inline]
 pub fn oklab_from_linear([r, g, b]: [f32; 3]) -> [f32; 3] {
-    let l = (0.412_221_46 * r + 0.536_332_55 * g + 0.051_445_995 * b).cbrt();
-    let m = (0.211_903_5 * r + 0.680_699_5 * g + 0.107_396_96 * b).cbrt();
-    let s = (0.088_302_46 * r + 0.281_718_85 * g + 0.629_978_7 * b).cbrt();
-    [
-        0.210_454_26 * l + 0.793_617_8 * m - 0.004_072_047 * s,
-        1.977_998_5 * l - 2.428_592_2 * m + 0.450_593_7 * s,
-        0.025_904_037 * l + 0.782_771_77 * m - 0.808_675_77 * s,
-    ]
+    const CONES_F32: [[f32; 3]; 3] = rounded(CONES);
+    const LAB_F32: [[f32; 3]; 3] = rounded(LAB);
+    let [l, m, s] = CONES_F32.map(|[x, y, z]| (x * r + y * g + z * b).cbrt());
+    LAB_F32.map(|[x, y, z]| x * l + y * m + z * s)
+}
+
+/// Oklab of an sRGB colour, to the precision of f64.
+pub fn precise_oklab(colour: [u8; 3]) -> [f64; 3] {
+    let [r, g, b] = colour.map(|value| srgb_to_linear(f64::from(value) / 255.0));
+    let [l, m, s] = CONES.map(|[x, y, z]| (x * r + y * g + z * b).cbrt());
+    LAB.map(|[x, y, z]| x * l + y * m + z * s)
 }
 
 /// Linear light of an Oklab colour, which may lie outside [0, 1].

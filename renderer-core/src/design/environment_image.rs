@@ -104,8 +104,8 @@ impl EnvironmentImage {
         &self.light
     }
 
-    /// This picture as one that renderers look at by the phase alone however uneven its light: what looking by its light
-    /// is held against.
+    /// This picture as one that renderers look at by the phase alone however uneven its light: what looking by its
+    /// light is held against.
     pub fn drawn_by_phase(&self) -> Self {
         Self {
             light: self.light.taken_as_even(),

@@ -8,8 +8,8 @@ use super::Fault;
 pub const STITCHES: [u8; 5] = [0, 1, 7, 8, 9];
 
 /// [`STITCHES`] in words.
-pub(super) const ALLOWED_STITCHES: &str = "0 (weft over), 1 (warp over), 7 (loop on the front), 8 (loop on the back) or \
-     9 (loops on both)";
+pub(super) const ALLOWED_STITCHES: &str = "0 (weft over), 1 (warp over), 7 (loop on the front), 8 (loop on the back) \
+     or 9 (loops on both)";
 
 /// What one value of the pattern means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -76,8 +76,8 @@ fn snake_case(variant: &str) -> String {
     name
 }
 
-/// Declares an enum whose variants are written in files in lower case with underscores, or as given after `written`, and
-/// listed for menus.
+/// Declares an enum whose variants are written in files in lower case with underscores, or as given after `written`,
+/// and listed for menus.
 macro_rules! choice {
     (@name $variant:ident) => { snake_case(stringify!($variant)) };
     (@name $variant:ident $written:literal) => { $written.into() };

@@ -3,16 +3,16 @@
 /// Smallest |w′|, 1/mm: keeps slabs finite for a ray that runs along the patch; u and v end it long before.
 pub const FLATTEST: f64 = 1e-6;
 
-/// Where a line of constant p, seen along the ray, is so much shorter than the patch (squared) that p needs another step:
-/// in twisted patches, whose lines differ in direction, and in pointed ones. For f32.
+/// Where a line of constant p, seen along the ray, is so much shorter than the patch (squared) that p needs another
+/// step: in twisted patches, whose lines differ in direction, and in pointed ones. For f32.
 pub const SHORT: f32 = 0.01;
 
 /// Projected areas are positive, since compile makes every loop convex, and above this (mm²), since it drops the
 /// degenerate; below, products of slopes would not be finite in f32.
 pub const SMALLEST_AREA: f32 = 1e-9;
 
-/// By how much loops are taken to be thicker where the part of a ray is looked for that may be in them: in f32 rounding of
-/// the bent surfaces' coefficients is below a ten-thousandth of usual thicknesses.
+/// By how much loops are taken to be thicker where the part of a ray is looked for that may be in them: in f32 rounding
+/// of the bent surfaces' coefficients is below a ten-thousandth of usual thicknesses.
 pub const WIDENED: f32 = 1.001;
 
 /// Steps over a strip of the paper's height field of ground yarns.

@@ -1,27 +1,30 @@
 //! How ground yarns scatter (MODEL.md §7): `lambert`, `phong` and `poulin_fournier`.
 //!
-//! As for all lobes a value is ψ/albedo with the cosine included: light of unit irradiance, on a plane that faces it, that
-//! leaves towards the view. Divided by the light's cosine each is a reciprocal BRDF, and for every view the integral over all
-//! lights is at most 1. The highlight has the yarn's colour, so that no yarn gives back more than its albedo.
+//! As for all lobes a value is ψ/albedo with the cosine included: light of unit irradiance, on a plane that faces it,
+//! that leaves towards the view. Divided by the light's cosine each is a reciprocal BRDF, and for every view the
+//! integral over all lights is at most 1. The highlight has the yarn's colour, so that no yarn gives back more than its
+//! albedo.
 //!
-//! - `phong`: (1−s)·cos θ_l/π + s·(p+2)/2π·max(0, r·l)^p·cos θ_l, r the view mirrored in the normal. The factor makes the
-//!   highlight's albedo 1 where the view is along the normal and less elsewhere (Lewis 1994, "Making shaders more
+//! - `phong`: (1−s)·cos θ_l/π + s·(p+2)/2π·max(0, r·l)^p·cos θ_l, r the view mirrored in the normal. The factor makes
+//!   the highlight's albedo 1 where the view is along the normal and less elsewhere (Lewis 1994, "Making shaders more
 //!   physically plausible").
-//! - `poulin_fournier` (Poulin and Fournier 1990, "A model for anisotropic reflection"): the yarn's surface is made of parallel
-//!   fibres along the yarn, half sunk into a floor: unit half-cylinders with their axes `spacing` apart on a plane. Their walls
-//!   and the floor between them shine as `phong` does, and count where they are both seen and lit, past the neighbours.
+//! - `poulin_fournier` (Poulin and Fournier 1990, "A model for anisotropic reflection"): the yarn's surface is made of
+//!   parallel fibres along the yarn, half sunk into a floor: unit half-cylinders with their axes `spacing` apart on a
+//!   plane. Their walls and the floor between them shine as `phong` does, and count where they are both seen and lit,
+//!   past the neighbours.
 //!
-//! The scene's geometry knows whole yarns: their round shape, the shadows between them and those of loops come from rays. What
-//! it lacks is the relief of fibres a hundredth of a millimetre thick, far below a pixel: that is what `poulin_fournier`
-//! adds, averaged over one period. So no shadow is counted twice. Light that goes from fibre to fibre is left out, as by the paper.
+//! The scene's geometry knows whole yarns: their round shape, the shadows between them and those of loops come from
+//! rays. What it lacks is the relief of fibres a hundredth of a millimetre thick, far below a pixel: that is what
+//! `poulin_fournier` adds, averaged over one period. So no shadow is counted twice. Light that goes from fibre to fibre
+//! is left out, as by the paper.
 //!
 //! In the plane across the fibres a direction has the angle θ from the normal and the length c. With φ a wall's angle,
 //! d the spacing in radii and ℓ the share of the floor both seen and lit,
 //!   ψ_diffuse = c_l/(π·d·cos θ_v) · (∫ cos(φ−θ_v)·cos(φ−θ_l) dφ + ℓ·cos θ_v·cos θ_l),
-//! the integral in closed form over the walls' angles that are both seen and lit. The highlight is alike, with the integrand
-//! (p+2)/2·max(0, r·l)^p times that, r·l = c_v·c_l·cos(2φ−θ_v−θ_l) − v_t·l_t for a wall at φ (t: components along the fibres).
-//! It is taken at [`NODES`] points over the part of the walls within [`REACH`] deviations of its peak: by definition, in
-//! all renderers.
+//! the integral in closed form over the walls' angles that are both seen and lit. The highlight is alike, with the
+//! integrand (p+2)/2·max(0, r·l)^p times that, r·l = c_v·c_l·cos(2φ−θ_v−θ_l) − v_t·l_t for a wall at φ (t: components
+//! along the fibres). It is taken at [`NODES`] points over the part of the walls within [`REACH`] deviations of its
+//! peak: by definition, in all renderers.
 
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, TAU};
 
@@ -47,12 +50,12 @@ pub(crate) const NODE_WEIGHTS: [f64; 4] = [
     0.101_228_536_290_376_3,
 ];
 
-/// How far the highlight's integral reaches, in standard deviations of the bell that cos^p is about its peak: what is left
-/// out is below 0.1 % of the whole.
+/// How far the highlight's integral reaches, in standard deviations of the bell that cos^p is about its peak: what is
+/// left out is below 0.1 % of the whole.
 pub(crate) const REACH: f64 = 3.5;
 
-/// Parts of [0, 1) that tell a fibre's facet from each other: the upper twelve of a random number's bits give a direction,
-/// the lower twelve the facet.
+/// Parts of [0, 1) that tell a fibre's facet from each other: the upper twelve of a random number's bits give a
+/// direction, the lower twelve the facet.
 pub(crate) const FACETS: f64 = 4096.0;
 
 /// How ground yarns scatter.
@@ -125,7 +128,8 @@ impl SurfaceOptics {
         cosine * ((1.0 - self.specular) * FRAC_1_PI + self.specular * highlight)
     }
 
-    /// A direction for `phong`, by the diffuse part or by the highlight, and its value over the density of both together.
+    /// A direction for `phong`, by the diffuse part or by the highlight, and its value over the density of both
+    /// together.
     pub fn sample_phong(&self, normal: DVec3, view: DVec3, [u, v]: [f64; 2]) -> (DVec3, f64) {
         let diffuse = 1.0 - self.specular;
         let peak = mirrored(normal, view);
@@ -197,8 +201,8 @@ impl SurfaceOptics {
         per_area * FRAC_1_PI * ((1.0 - self.specular) * diffuse + self.specular * highlight)
     }
 
-    /// A direction for `poulin_fournier` and its value over its density: a facet is drawn as the view sees them, and from it
-    /// a direction as from a surface of its own.
+    /// A direction for `poulin_fournier` and its value over its density: a facet is drawn as the view sees them, and
+    /// from it a direction as from a surface of its own.
     pub fn sample_fibres(
         &self,
         normal: DVec3,
@@ -240,8 +244,8 @@ impl SurfaceOptics {
         (direction, if is_lit { weight } else { 0.0 })
     }
 
-    /// The angles φ of a fibre's wall that a direction at `theta` reaches: turned towards it, above the floor and not behind
-    /// the neighbour, whose edge is d·cos θ − 1 from this fibre's axis.
+    /// The angles φ of a fibre's wall that a direction at `theta` reaches: turned towards it, above the floor and not
+    /// behind the neighbour, whose edge is d·cos θ − 1 from this fibre's axis.
     fn walls(&self, theta: f64) -> Interval {
         let angle = theta.abs();
         let neighbour = (self.spacing * angle.cos() - 1.0).clamp(-1.0, 1.0).asin();
@@ -253,7 +257,8 @@ impl SurfaceOptics {
         }
     }
 
-    /// The part of the floor between the axes of a fibre, at 0, and the next one, at d, that a direction at `theta` reaches.
+    /// The part of the floor between the axes of a fibre, at 0, and the next one, at d, that a direction at `theta`
+    /// reaches.
     fn floor(&self, theta: f64) -> Interval {
         let shadow = 1.0 / theta.cos();
         if theta < 0.0 {

@@ -2,11 +2,12 @@
 //! (WGSL twin: shaders/sampling.wgsl); 32-bit integer arithmetic only, all wrapping.
 //!
 //! Sobol dimensions beyond four are padded: every set of four dimensions has its own nested-uniform shuffle of the
-//! index (Burley, "Practical Hash-based Owen Scrambling", JCGT 2020). The samples of a picture belong to four scrambles:
-//! independent estimates whose spread is the error estimate (MODEL.md §10). Where the model takes turns sample by sample
-//! (k mod 4), scrambles take turns by runs of eight here: the first samples are then points of one sequence, which fill
-//! their pixel evenly, while four points of four scrambles are no better than random ones. Measured on thin strands in hard
-//! light: the error of 8 samples falls from 0.32 to 0.24, that of 16 from 0.19 to 0.17.
+//! index (Burley, "Practical Hash-based Owen Scrambling", JCGT 2020). The samples of a picture belong to four
+//! scrambles: independent estimates whose spread is the error estimate (MODEL.md §10). Where the model takes turns
+//! sample by sample (k mod 4), scrambles take turns by runs of eight here: the first samples are then points of one
+//! sequence, which fill their pixel evenly, while four points of four scrambles are no better than random ones.
+//! Measured on thin strands in hard light: the error of 8 samples falls from 0.32 to 0.24, that of 16 from 0.19 to
+//! 0.17.
 //!
 //! For comparison there are independent numbers as well, a hash of pixel, sample, set and dimension ([`random_bits`]).
 //!

@@ -1,20 +1,22 @@
 //! From a design to a scene, section by section (steps 1 and 2 of the paper's §6).
 //!
-//! Each section has inputs; if they equal those of the last design, it keeps its `Arc`. Which parts of a design a section
-//! depends on:
+//! Each section has inputs; if they equal those of the last design, it keeps its `Arc`. Which parts of a design a
+//! section depends on:
 //!
-//! | section  | sheet | weave | chart, length           | pile             | finish, nap    | turbulence | skeleton     | form | light | quality |
-//! | -------- | ----- | ----- | ----------------------- | ---------------- | -------------- | ---------- | ------------ | ---- | ----- | ------- |
-//! | sheet    | ×     |       |                         |                  |                |            |              |      |       |         |
-//! | loops    | ×     | ×     | each cell's length      | shape of frames  | ×              | ×          | yarns' shape |      |       |         |
-//! | looks    | ×     | ×     | colours, table          | optics, variants | shears, water  | seed       | colour       |      |       | bounces |
-//! | volumes  |       |       | reference length, kinds | yarn, volume     | whether, water |            |              |      |       |         |
-//! | pile     |       |       | table                   | phase, density   | whether, water |            |              |      |       |         |
-//! | skeleton |       | ×     |                         |                  | water          |            | ×            |      |       |         |
-//! | form     | ×     | loops | loops                   | loops            | loops          | loops      | yarns' shape | ×    |       |         |
-//! | lights   |       |       |                         |                  |                |            |              |      | ×     |         |
+//! - sheet: `sheet`.
+//! - loops: `sheet`, `weave`, the shape of frames in `pile`, `finish`, `nap`, `turbulence`, the yarns' shape in
+//!   `skeleton`, and each cell's length (`chart`, `length`).
+//! - looks: the loops, colours (`chart`), the table of `length`, optics and variants of `pile`, shears and water
+//!   (`finish`), the seed of `turbulence`, the colour of `skeleton`, `bounces` of `quality`.
+//! - volumes: the longest loop and the kinds of pile that `length` may ask for, yarn and volume of `pile`, of `finish`
+//!   water and whether anything is shorn.
+//! - pile: the table of `length`, phase and density of `pile`, of `finish` water and whether anything is shorn.
+//! - skeleton: `weave`, `skeleton`, water (`finish`).
+//! - form: `form`, `sheet`, the loops, the yarns' shape in `skeleton`.
+//! - lights: `light`.
 //!
-//! The form of level cloth depends on nothing; that of any other is made anew when the loops are, whose height it must hold.
+//! The form of level cloth depends on nothing; that of any other is made anew when the loops are, whose height it must
+//! hold.
 //!
 //! The view and the rest of quality belong to requests; no section depends on them. Sections that are cheap are made
 //! anew and kept when equal; loops, looks and volumes have their inputs compared.
@@ -98,7 +100,8 @@ pub fn warnings(design: &Design, scene: &Scene) -> Vec<Warning> {
     let waves = turbulence.filter_radius * pitch_mm * turbulence.frequency;
     if turbulence.filter != Filter::None && waves > MAX_FILTER_WAVES {
         let text = format!(
-            "the turbulence's filter reaches over {waves:.1} of its waves, more than {MAX_FILTER_WAVES}: little of it is left but at the cloth's edges"
+            "the turbulence's filter reaches over {waves:.1} of its waves, more than {MAX_FILTER_WAVES}: \
+             little of it is left but at the cloth's edges"
         );
         warnings.push(Warning::new("turbulence.filter_radius", text));
     }
@@ -158,7 +161,8 @@ pub enum PreviewScene {
 /// What looks follow from, and the loops that they are of.
 type LooksOfLoops = (LooksInputs, Section<Loops>);
 
-/// Everything that the form follows from: itself, the sheet with its loops, and the lowest and highest point over the sheet.
+/// Everything that the form follows from: itself, the sheet with its loops, and the lowest and highest point over the
+/// sheet.
 type FormInputs = (Form, SheetGeometry, Section<Loops>, [f64; 2]);
 
 /// Everything that the turbulence follows from.
@@ -193,8 +197,8 @@ struct VolumesInputs {
     pile: Pile,
     /// Kinds of pile, and the diameter of the yarn of each, mm.
     yarns: Vec<(PileKind, f64)>,
-    /// That of the longest loop there may be. Arch, twist and stray fibres are drawn in mm, so that this shows in every voxel; an
-    /// edit of lengths that leaves the longest alone keeps the volumes.
+    /// That of the longest loop there may be. Arch, twist and stray fibres are drawn in mm, so that this shows in every
+    /// voxel; an edit of lengths that leaves the longest alone keeps the volumes.
     reference_length_mm: f64,
 }
 
@@ -222,7 +226,8 @@ impl Compiler {
         self.compile_unless_cancelled(design, &Cancel::never())
     }
 
-    /// The scene of a design, or what was begun of it is given up with [`CompileError::Cancelled`] soon after `cancel` says so.
+    /// The scene of a design, or what was begun of it is given up with [`CompileError::Cancelled`] soon after `cancel`
+    /// says so.
     ///
     /// # Errors
     /// As [`Self::compile`], or when given up.
@@ -284,7 +289,8 @@ impl Compiler {
         self.make(design, None, Some(visible), cancel)
     }
 
-    /// Whether the loops of a design, or of a region of it, are there already, so that a scene for a coarse preview saves nothing.
+    /// Whether the loops of a design, or of a region of it, are there already, so that a scene for a coarse preview
+    /// saves nothing.
     pub fn has_loops_of(&mut self, whole: &Design, region: Option<LodRegion>) -> bool {
         let shrunk = region.map(|region| region.design(whole));
         let design = shrunk.as_ref().unwrap_or(whole);

@@ -1,4 +1,5 @@
-//! Fields that were part of a design once: they are read and mean nothing, and whoever opens the file is told so.
+//! Fields that were part of a design once: they are read and mean nothing, and whoever opens the file
+//! learns it.
 
 use toml::de::{DeTable, DeValue};
 

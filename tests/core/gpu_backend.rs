@@ -133,15 +133,6 @@ fn a_lost_device_is_an_error_wherever_it_is_used() {
     assert!(is_lost(backend.show(display).map(|_| ()).unwrap_err()));
 }
 
-/// Waits until the backend can draw.
-fn until_ready(backend: &mut GpuBackend) {
-    let start = Instant::now();
-    while !backend.is_ready().unwrap() {
-        assert!(start.elapsed() < Duration::from_secs(120), "compiles");
-        std::thread::sleep(Duration::from_millis(2));
-    }
-}
-
 #[test]
 fn pipelines_are_made_beside_the_work() {
     let never = AtomicBool::new(false);
@@ -153,23 +144,16 @@ fn pipelines_are_made_beside_the_work() {
     let [first_picture, second_picture] = [&first, &second].map(|r| finish(&mut gpu(), r));
 
     let mut backend = gpu();
-    let start = Instant::now();
     backend.begin_soon(&first).unwrap();
-    let begun = start.elapsed();
     let ready = backend.is_ready().unwrap();
     // A cancelled advance does not wait for it either.
     let progress = backend
         .advance(Duration::MAX, &AtomicBool::new(true))
         .unwrap();
-    assert!(
-        !ready && progress.samples == 0 && !progress.done,
-        "{begun:?}"
-    );
+    assert!(!ready && progress.samples == 0 && !progress.done);
     // Another scene before the first is ready: its own pipeline is made, and nothing is drawn with another's.
     backend.begin_soon(&second).unwrap();
     assert_eq!(backend.advance(Duration::ZERO, &never).unwrap().samples, 0);
-    until_ready(&mut backend);
-    eprintln!("begun after {begun:?}, ready after {:?}", start.elapsed());
     assert_eq!(bits(&finish(&mut backend, &second)), bits(&second_picture));
     // Back again; and both are there from now on.
     backend.begin_soon(&first).unwrap();
@@ -232,9 +216,10 @@ fn a_baseline_sample_costs_little_and_leaves_nothing_behind() {
     backend.begin(&request).unwrap();
     let start = Instant::now();
     let bare = backend.baseline_sample().unwrap().expect("on a GPU");
-    // Some 80 samples were drawn in that time.
+    // It is the least of five means over 16 samples that were drawn meanwhile: at most an eightieth on the same clock, however
+    // busy the machine.
     assert!(
-        bare > Duration::ZERO && bare < start.elapsed() / 20,
+        bare > Duration::ZERO && bare <= start.elapsed() / 80,
         "{bare:?}"
     );
     assert_eq!(bits(&finish(&mut backend, &request)), bits(&picture));

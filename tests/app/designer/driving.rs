@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::sync::mpsc::channel;
 use std::time::{Duration, Instant};
 
 use egui::accesskit::Role;
@@ -90,22 +91,58 @@ pub(crate) fn designer_of_size(preset: Option<PathBuf>, size: Vec2) -> Harness<'
     harness
 }
 
-/// Shows frames until `done`; what other threads do comes after a while.
+/// Longest time in which what is waited for comes, on a busy machine with a software GPU.
+pub(crate) const PATIENCE: Duration = Duration::from_secs(120);
+
+/// Shows frames as a window does: when one is asked for, by this thread or another, until `done`.
 #[track_caller]
 pub(crate) fn wait(
     harness: &mut Harness<'_, App>,
     what: &str,
     done: impl Fn(&Harness<'_, App>) -> bool,
 ) {
-    let start = Instant::now();
-    while !done(harness) {
-        assert!(
-            start.elapsed() < Duration::from_secs(90),
-            "{what} has not come"
-        );
-        std::thread::sleep(Duration::from_millis(5));
+    let (ask, asked) = channel();
+    let here = std::thread::current().id();
+    harness.ctx.set_request_repaint_callback(move |_| {
+        // What a frame itself asks for it tells in its output. Nobody may wait any more.
+        if std::thread::current().id() != here {
+            let _ = ask.send(());
+        }
+    });
+    let end = Instant::now() + PATIENCE;
+    loop {
         harness.step();
+        if done(harness) {
+            return;
+        }
+        let left = end.saturating_duration_since(Instant::now());
+        assert!(!left.is_zero(), "{what} has not come");
+        let outputs = harness.output().viewport_output.values();
+        let delay = outputs.map(|viewport| viewport.repaint_delay).min();
+        // Without an answer it is time for the next frame, or for giving up.
+        let _ = asked.recv_timeout(delay.map_or(left, |delay| delay.min(left)));
+        asked.try_iter().for_each(drop);
     }
+}
+
+/// Shows frames until none of the threads that draw has anything left to do, and for a second of frames more, in which
+/// what is due later is asked for.
+#[track_caller]
+pub(crate) fn rest(harness: &mut Harness<'_, App>) {
+    let mut quiet = 0;
+    for _ in 0..10_000 {
+        harness.step();
+        quiet = if harness.state().wait_for_rest(Duration::ZERO) {
+            quiet + 1
+        } else {
+            0
+        };
+        if quiet == 60 {
+            return;
+        }
+        assert!(harness.state().wait_for_rest(PATIENCE), "it never rests");
+    }
+    panic!("it never rests");
 }
 
 pub(crate) fn design<'h>(harness: &'h Harness<'_, App>) -> &'h Design {

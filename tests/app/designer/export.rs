@@ -16,18 +16,20 @@ use towel_designer::backend::BackendChoice;
 use towel_designer::designer::{App, MakeBackend, Setup};
 use towel_designer::files;
 
-use super::{choose, click, design, designer, type_number, type_path, wait};
+use super::{choose, click, design, designer, rest, type_number, type_path, wait};
 
 type Refusal = fn() -> RenderError;
 
-/// Draws gray, a sample in 10 ms, and can be told never to end or to refuse.
+/// Draws gray as a slow device does, a sample in 10 ms, and can be told never to begin or to refuse.
 struct Gray {
     samples: u32,
     wanted: u32,
     size: [u32; 2],
     refuses: Option<fn() -> RenderError>,
-    /// Compiles what it draws with, for ever; who holds the other end sees when it is dropped.
-    compiles: Option<Arc<()>>,
+    /// Compiles what it draws with, for ever.
+    compiles: bool,
+    /// Who holds the other end sees when it is dropped.
+    _alive: Arc<()>,
 }
 
 impl Backend for Gray {
@@ -61,7 +63,7 @@ impl Backend for Gray {
     }
 
     fn is_ready(&mut self) -> Result<bool, RenderError> {
-        Ok(self.compiles.is_none())
+        Ok(!self.compiles)
     }
 
     fn picture(&mut self) -> Result<Picture, RenderError> {
@@ -84,16 +86,18 @@ impl Backend for Gray {
 
 /// A designer whose exports are gray, and fail if `refuses` says so; the viewport is drawn by another choice.
 fn with_gray(preset: Option<&Path>, refuses: Option<fn() -> RenderError>) -> Harness<'static, App> {
-    with_gpu(preset, refuses, None)
+    with_backends(preset, refuses, false, &Arc::default())
 }
 
-/// The same, where what is exported by the GPU may also never begin because the GPU `compiles`.
-fn with_gpu(
+/// As [`with_gray`]; what is exported by the GPU may also never begin because the GPU `compiles`. Every backend holds `alive`.
+fn with_backends(
     preset: Option<&Path>,
     refuses: Option<fn() -> RenderError>,
-    compiles: Option<Arc<()>>,
+    compiles: bool,
+    alive: &Arc<()>,
 ) -> Harness<'static, App> {
     let preset = preset.map(Path::to_path_buf);
+    let alive = Arc::clone(alive);
     let make: MakeBackend = Arc::new(move |choice| {
         let is_gpu = choice == BackendChoice::Gpu;
         Ok(Box::new(Gray {
@@ -101,7 +105,8 @@ fn with_gpu(
             wanted: 0,
             size: [1, 1],
             refuses: refuses.filter(|_| is_gpu),
-            compiles: compiles.clone().filter(|_| is_gpu),
+            compiles: compiles && is_gpu,
+            _alive: Arc::clone(&alive),
         }))
     });
     let mut harness = Harness::builder()
@@ -254,7 +259,10 @@ fn every_kind_of_file_is_what_it_says() {
 fn a_long_export_shows_its_progress_beside_editing_and_is_cancelled_at_once() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("long.png");
-    let mut harness = with_gray(None, None);
+    let backends = Arc::new(());
+    let mut harness = with_backends(None, None, false, &backends);
+    rest(&mut harness);
+    let before = Arc::strong_count(&backends);
     open(&mut harness);
     type_number(&mut harness, "Export samples", "100000");
     export_to(&mut harness, &path);
@@ -271,7 +279,11 @@ fn a_long_export_shows_its_progress_beside_editing_and_is_cancelled_at_once() {
 
     click(&mut harness, "Cancel export");
     harness.get_by_label("Choose file and export…");
-    std::thread::sleep(Duration::from_millis(300));
+    // The thread itself ends, not only what is seen of it.
+    rest(&mut harness);
+    wait(&mut harness, "the end of the export", |_| {
+        Arc::strong_count(&backends) == before
+    });
     harness.run_steps(3);
     assert_eq!(
         std::fs::read_dir(folder.path()).expect("a folder").count(),
@@ -283,21 +295,22 @@ fn a_long_export_shows_its_progress_beside_editing_and_is_cancelled_at_once() {
 #[test]
 fn an_export_is_cancelled_while_the_gpu_still_compiles() {
     let folder = tempfile::tempdir().expect("a folder");
-    let backend = Arc::new(());
-    let mut harness = with_gpu(None, None, Some(Arc::clone(&backend)));
+    let backends = Arc::new(());
+    let mut harness = with_backends(None, None, true, &backends);
+    rest(&mut harness);
+    let before = Arc::strong_count(&backends);
     open(&mut harness);
     choose(&mut harness, "Backend", "gpu");
     export_to(&mut harness, &folder.path().join("never.png"));
     wait(&mut harness, "what it waits for", |h| {
         h.query_by_label_contains("Preparing the GPU").is_some()
     });
-    // One here, one where backends are made.
-    assert_eq!(Arc::strong_count(&backend), 3, "it is at work");
+    assert_eq!(Arc::strong_count(&backends), before + 1, "it is at work");
     click(&mut harness, "Cancel export");
     harness.get_by_label("Choose file and export…");
     // The thread itself ends, not only what is seen of it.
     wait(&mut harness, "the end of the export", |_| {
-        Arc::strong_count(&backend) == 2
+        Arc::strong_count(&backends) == before
     });
     let mut left = std::fs::read_dir(folder.path()).expect("a folder");
     assert!(left.next().is_none());

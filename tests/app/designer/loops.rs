@@ -322,16 +322,8 @@ fn settled(harness: &mut Harness<'_, App>, begun: &Begun, after: Option<usize>) 
     if let Some(after) = after {
         wait(harness, "a thumbnail", |_| count() > after);
     }
-    let (mut last, mut quiet) = (count(), 0);
-    let start = Instant::now();
-    while quiet < 60 {
-        assert!(start.elapsed() < Duration::from_secs(60), "it never rests");
-        std::thread::sleep(Duration::from_millis(10));
-        harness.step();
-        quiet = if count() == last { quiet + 1 } else { 0 };
-        last = count();
-    }
-    last
+    rest(harness);
+    count()
 }
 
 #[test]
@@ -444,11 +436,8 @@ fn a_loop_that_cannot_be_drawn_is_told_and_tried_once() {
         node.value()
             .is_some_and(|told| told.contains("out of order"))
     });
-    // Another try would come after the scene of one loop is made, a fraction of a second.
-    for _ in 0..100 {
-        std::thread::sleep(Duration::from_millis(20));
-        harness.step();
-    }
+    // Another try would come as soon as the scene of one loop is made.
+    rest(&mut harness);
     assert_eq!(*tried.lock().expect("whole"), 1);
 }
 

@@ -271,10 +271,7 @@ pub fn open_everything(harness: &mut Harness<'static, App>) {
     open_seldom_needed(harness);
     harness.event(egui::Event::PointerGone);
     // Thumbnails come from other threads.
-    for _ in 0..20 {
-        std::thread::sleep(Duration::from_millis(20));
-        harness.step();
-    }
+    rest(harness);
     harness.run_steps(20);
 }
 

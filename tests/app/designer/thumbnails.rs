@@ -3,9 +3,8 @@
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
 
 use renderer_core::design::{CameraDesign, Colour, Design, Method};
 use towel_designer::backend::{self, BackendChoice};
@@ -14,7 +13,7 @@ use towel_designer::designer::thumbnails::{
 };
 use towel_designer::designer::{MakeBackend, Priority};
 
-use super::FlatBackend;
+use super::{FlatBackend, PATIENCE};
 
 fn flat() -> MakeBackend {
     Arc::new(|choice| {
@@ -68,18 +67,11 @@ fn held(key: ThumbnailKey) -> (ThumbnailJob, Sender<()>, Receiver<()>) {
 /// All news of a job until the last.
 #[track_caller]
 fn news(pictures: &ThumbnailRenderer, key: &ThumbnailKey) -> Vec<DrawnThumbnail> {
-    let start = Instant::now();
     let mut all = Vec::new();
-    while !all
-        .last()
-        .is_some_and(|drawn: &DrawnThumbnail| drawn.is_final)
-    {
-        assert!(
-            start.elapsed() < Duration::from_secs(30),
-            "no picture of {key:?}, but {all:?}"
-        );
-        all.extend(pictures.take(key));
-        std::thread::sleep(Duration::from_millis(2));
+    let is_last = |drawn: &DrawnThumbnail| drawn.is_final;
+    while !all.last().is_some_and(is_last) {
+        let drawn = pictures.take_within(key, PATIENCE);
+        all.push(drawn.unwrap_or_else(|| panic!("no picture of {key:?}, but {all:?}")));
     }
     all
 }
@@ -118,7 +110,7 @@ fn a_picture_is_what_the_design_is_and_one_frame_is_asked_for() {
         !(differs(pixel.r(), 200) || differs(pixel.g(), 20) || differs(pixel.b(), 20))
     };
     assert!(image.pixels.iter().all(near), "{:?}", image.pixels[0]);
-    std::thread::sleep(Duration::from_millis(50));
+    assert!(pictures.wait_for_rest(PATIENCE));
     assert_eq!(frames.load(Ordering::Relaxed), 1);
     assert!(pictures.take(&key("red")).is_none(), "news come once");
 }
@@ -212,20 +204,11 @@ fn the_viewports_first_picture_comes_before_all_but_a_coarse_one() {
         Ok(few_loops())
     }));
     pictures.draw(job(ThumbnailKey::Loop, true, || Ok(few_loops())));
-    let start = Instant::now();
-    let coarse = loop {
-        assert!(
-            start.elapsed() < Duration::from_secs(30),
-            "no coarse picture"
-        );
-        if let Some(drawn) = pictures.take(&ThumbnailKey::Loop) {
-            break drawn;
-        }
-    };
+    let coarse = pictures.take_within(&ThumbnailKey::Loop, PATIENCE);
+    let coarse = coarse.expect("a coarse picture");
     assert!(!coarse.is_final);
     assert_eq!(coarse.image.expect("a picture").size, [10, 6]);
-    // Long enough to go on with what needs no more than a call.
-    std::thread::sleep(Duration::from_millis(200));
+    assert!(pictures.wait_for_rest(PATIENCE), "it did not give way");
     assert!(
         pictures.take(&ThumbnailKey::Loop).is_none(),
         "it did not give way"
@@ -233,7 +216,7 @@ fn the_viewports_first_picture_comes_before_all_but_a_coarse_one() {
     pictures.give_way(Priority::Medium);
     let whole = news(&pictures, &ThumbnailKey::Loop);
     assert_eq!(whole[0].image.as_ref().expect("a picture").size, [40, 24]);
-    std::thread::sleep(Duration::from_millis(200));
+    assert!(pictures.wait_for_rest(PATIENCE), "it did not give way");
     assert!(!is_begun.load(Ordering::Relaxed), "it did not give way");
     pictures.give_way(Priority::Low);
     news(&pictures, &key("preset"));
@@ -241,8 +224,13 @@ fn the_viewports_first_picture_comes_before_all_but_a_coarse_one() {
 
 #[test]
 fn the_thread_ends_with_the_window_even_in_the_midst_of_a_picture() {
-    let make = flat();
-    let alive = Arc::downgrade(&make);
+    let (alive, gone) = channel::<()>();
+    let flat = flat();
+    let make: MakeBackend = Arc::new(move |choice| {
+        // It lives as long as what backends are made with.
+        let _ = &alive;
+        flat(choice)
+    });
     let mut pictures = ThumbnailRenderer::new(make, egui::Context::default());
     let (first, go, is_here) = held(key("first"));
     pictures.draw(first);
@@ -252,9 +240,6 @@ fn the_thread_ends_with_the_window_even_in_the_midst_of_a_picture() {
     is_here.recv().expect("the thread is at work");
     drop(pictures);
     go.send(()).expect("the thread waits");
-    let start = Instant::now();
-    while alive.upgrade().is_some() {
-        assert!(start.elapsed() < Duration::from_secs(30), "it still runs");
-        std::thread::sleep(Duration::from_millis(2));
-    }
+    let ended = gone.recv_timeout(PATIENCE);
+    assert_eq!(ended, Err(RecvTimeoutError::Disconnected), "it still runs");
 }

@@ -105,6 +105,11 @@ impl App {
         &mut self.document
     }
 
+    /// Waits until neither the viewport's picture nor a thumbnail is drawn; false if one still is after `patience`.
+    pub fn wait_for_rest(&self, patience: Duration) -> bool {
+        self.viewport.wait_for_rest(patience) && self.thumbnails.wait_for_rest(patience)
+    }
+
     /// Whether a file is being read.
     pub fn is_loading(&self) -> bool {
         self.filing.is_loading()

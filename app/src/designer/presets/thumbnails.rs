@@ -99,12 +99,16 @@ struct Desk {
     drawn: HashMap<ThumbnailKey, DrawnThumbnail>,
     priority: Priority,
     stop: bool,
+    /// Whether the thread sleeps and nothing was sent since.
+    is_resting: bool,
 }
 
 #[derive(Default)]
 struct Shared {
     desk: Mutex<Desk>,
     news: Condvar,
+    /// Signalled when something is drawn, and when the thread goes to sleep.
+    told: Condvar,
     /// Ends the slice in work.
     interrupt: AtomicBool,
 }
@@ -122,7 +126,10 @@ impl Shared {
     }
 
     fn change(&self, change: impl FnOnce(&mut Desk)) {
-        change(&mut self.desk());
+        let mut desk = self.desk();
+        desk.is_resting = false;
+        change(&mut desk);
+        drop(desk);
         self.interrupt.store(true, Ordering::Relaxed);
         self.news.notify_one();
     }
@@ -176,11 +183,28 @@ impl ThumbnailRenderer {
         self.shared.desk().drawn.remove(key)
     }
 
+    /// As [`Self::take`], but waits for news, at most for so long.
+    pub fn take_within(&self, key: &ThumbnailKey, patience: Duration) -> Option<DrawnThumbnail> {
+        let is_missing = |desk: &mut Desk| !desk.drawn.contains_key(key);
+        let desk = self.shared.desk();
+        let waited = (self.shared.told).wait_timeout_while(desk, patience, is_missing);
+        let (mut desk, _) = waited.unwrap_or_else(PoisonError::into_inner);
+        desk.drawn.remove(key)
+    }
+
     /// How urgently the viewport needs the machine.
     pub fn give_way(&self, priority: Priority) {
         if self.shared.desk().priority != priority {
             self.shared.change(|desk| desk.priority = priority);
         }
+    }
+
+    /// Waits until nothing is drawn any more, or nothing may be; false if something still is after `patience`.
+    pub fn wait_for_rest(&self, patience: Duration) -> bool {
+        let is_at_work = |desk: &mut Desk| self.is_running && !desk.is_resting;
+        let desk = self.shared.desk();
+        let waited = (self.shared.told).wait_timeout_while(desk, patience, is_at_work);
+        !waited.unwrap_or_else(PoisonError::into_inner).1.timed_out()
     }
 
     fn start(&mut self) {
@@ -269,6 +293,7 @@ fn run(shared: &Shared, make: &MakeBackend, repaint: &egui::Context) {
         if desk.mail.iter().all(|mail| *mail.key() != key) {
             desk.drawn.insert(key, drawn);
             drop(desk);
+            shared.told.notify_all();
             repaint.request_repaint();
         }
     }
@@ -316,6 +341,8 @@ fn next(shared: &Shared, works: &mut Vec<Work>) -> Option<usize> {
         if let Some(index) = chosen.filter(|&index| works[index].may_go_on(desk.priority)) {
             return Some(index);
         }
+        desk.is_resting = true;
+        shared.told.notify_all();
         let woken = shared.news.wait(desk);
         desk = woken.unwrap_or_else(PoisonError::into_inner);
     }

@@ -34,6 +34,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 use renderer_core::design::{CameraDesign, Design};
 use renderer_core::image::Display;
@@ -92,6 +93,8 @@ enum Mail {
 struct Mailbox {
     request: Option<Box<ViewRequest>>,
     stop: bool,
+    /// Whether the thread sleeps and nothing was posted since.
+    is_resting: bool,
 }
 
 /// What both sides see.
@@ -99,6 +102,8 @@ struct Mailbox {
 struct Shared {
     mailbox: Mutex<Mailbox>,
     mail: Condvar,
+    /// Signalled when the thread goes to sleep.
+    rest: Condvar,
     /// Whether what is in work is of no use any more: something else is requested.
     cancel: AtomicBool,
     state: Mutex<ViewState>,
@@ -119,6 +124,8 @@ impl Shared {
             if is_working {
                 return Mail::None;
             }
+            mailbox.is_resting = true;
+            self.rest.notify_all();
             let woken = self.mail.wait(mailbox);
             mailbox = woken.unwrap_or_else(PoisonError::into_inner);
         }
@@ -126,7 +133,10 @@ impl Shared {
 
     /// Changes what is in the mailbox and wakes the thread; it leaves what it does if that `is_outdated`.
     fn post(&self, is_outdated: bool, change: impl FnOnce(&mut Mailbox)) {
-        change(&mut lock(&self.mailbox));
+        let mut mailbox = lock(&self.mailbox);
+        mailbox.is_resting = false;
+        change(&mut mailbox);
+        drop(mailbox);
         if is_outdated {
             self.cancel.store(true, Ordering::Relaxed);
         }
@@ -182,6 +192,14 @@ impl RenderThread {
         let request = Box::new(request);
         self.shared
             .post(!same_samples, |mailbox| mailbox.request = Some(request));
+    }
+
+    /// Waits until the thread has nothing left to do; false if it still has after `patience`.
+    pub fn wait_for_rest(&self, patience: Duration) -> bool {
+        let mailbox = lock(&self.shared.mailbox);
+        let is_at_work = |mailbox: &mut Mailbox| !mailbox.is_resting;
+        let waited = (self.shared.rest).wait_timeout_while(mailbox, patience, is_at_work);
+        !waited.unwrap_or_else(PoisonError::into_inner).1.timed_out()
     }
 
     /// What there is to show now.

@@ -15,6 +15,7 @@ mod screen;
 
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Duration;
 
 use eframe::CreationContext;
 use egui::{Color32, Context, CursorIcon, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo, pos2};
@@ -121,6 +122,11 @@ impl Viewport {
             stood_back: None,
             fingers_scroll: false,
         }
+    }
+
+    /// As [`RenderThread::wait_for_rest`].
+    pub fn wait_for_rest(&self, patience: Duration) -> bool {
+        self.thread.wait_for_rest(patience)
     }
 
     /// What was last asked of the render thread.

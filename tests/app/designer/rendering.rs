@@ -364,7 +364,7 @@ const BY_GPU: (Option<BackendKind>, bool) = (Some(BackendKind::Gpu), false);
 fn the_gpus_picture_is_shown_once_it_is_as_clear_as_the_processors() {
     let script = Arc::new(Script::default());
     script.is_late.store(true, Ordering::SeqCst);
-    *script.limits.lock().unwrap() = Some([10, 25]);
+    *script.limits.lock().unwrap() = Some([10, u32::MAX]);
     let mut harness = scripted(&script);
     open_panel(&mut harness, "View & quality");
     // So many that it has no end.

@@ -308,8 +308,8 @@ fn the_gpu_draws_on_the_windows_own_device() {
             let setup = Setup {
                 preset: Some(path),
                 choice: BackendChoice::Gpu,
-                // While the device compiles, the processor may draw, but it comes to no end: what it has finished before
-                // stays its own.
+                // While the device compiles, the processor may draw, but it comes to no end: what it has finished
+                // before stays its own.
                 make: Arc::new(|choice| match choice {
                     BackendChoice::Cpu => Ok(Box::new(Endless(FlatBackend {
                         size: [1, 1],

@@ -216,8 +216,8 @@ fn a_baseline_sample_costs_little_and_leaves_nothing_behind() {
     backend.begin(&request).unwrap();
     let start = Instant::now();
     let bare = backend.baseline_sample().unwrap().expect("on a GPU");
-    // It is the least of five means over 16 samples that were drawn meanwhile: at most an eightieth on the same clock, however
-    // busy the machine.
+    // It is the least of five means over 16 samples that were drawn meanwhile: at most an eightieth on the same clock,
+    // however busy the machine.
     assert!(
         bare > Duration::ZERO && bare <= start.elapsed() / 80,
         "{bare:?}"

@@ -271,7 +271,10 @@ pub fn open_everything(harness: &mut Harness<'static, App>) {
     open_seldom_needed(harness);
     harness.event(egui::Event::PointerGone);
     // Thumbnails come from other threads.
-    rest(harness);
+    for _ in 0..20 {
+        std::thread::sleep(Duration::from_millis(20));
+        harness.step();
+    }
     harness.run_steps(20);
 }
 

@@ -3,7 +3,9 @@
 //!
 //! Along a weft neighbours lie in the same cell of the noise's lattice, so octaves are summed one after the other over
 //! the whole weft. For Perlin noise, what a lattice cell's corners give is then looked up once a lattice cell instead
-//! of once a point; the arithmetic is the crate's, operation by operation.
+//! of once a point; the arithmetic is the crate's, operation by operation. Measured on one core, that takes 6 to 10 ns
+//! a point where the crate takes 24 to 93 (50 to 2 points along a lattice cell). Noise is some 7 % of the time in which
+//! many loops are compiled; with the crate's it would be a third or more.
 
 use std::f64::consts::SQRT_2;
 

@@ -186,7 +186,7 @@ pub(crate) fn open_seldom_needed(harness: &mut Harness<'_, App>) {
     for heading in [
         "More about loops",
         "Light in the pile",
-        "LodSelector of the volume",
+        "Fineness of the volume",
         "More about clumps",
         "More about ground yarns",
         "More about quality",

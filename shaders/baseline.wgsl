@@ -3,7 +3,7 @@
 
 @compute @workgroup_size(WORKGROUP)
 fn baseline_main(@builtin(global_invocation_id) id: vec3<u32>) {
-    let place = place_of(id.x);
+    let place = place_of(id);
     if !place.is_inside {
         return;
     }

@@ -52,7 +52,7 @@ struct Slice {
     // Its layers below the sheet's plane, and in a millimetre.
     shadow_layers_below: i32,
     shadow_layers_per_mm: f32,
-    // What tiles of background show; w unused.
+    // What tiles of background show; w: of how many neighbouring threads of the tracing program one works at a time.
     background: vec4<f32>,
 }
 

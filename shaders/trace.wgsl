@@ -233,13 +233,16 @@ struct Place {
     first_sum: u32,
 }
 
-fn place_of(thread: u32) -> Place {
+fn place_of(id: vec3<u32>) -> Place {
+    let thread = id.x;
+    // Of so many neighbours one works in each row of workgroups: all in the only one, but on software Vulkan.
+    let has_turn = thread % u32(slice.background.w) == id.y;
     let drawn_tile = slice.first_tile + thread / slice.pixels_per_tile;
     let in_tile = pixel_of_rank(thread % slice.pixels_per_tile);
     let tile = u32(ray_tiles[min(drawn_tile, slice.end_tile - 1u)].cell.z);
     let in_picture = tile_corner(tile) + in_tile;
     return Place(
-        drawn_tile < slice.end_tile && all(in_picture < slice.size),
+        has_turn && drawn_tile < slice.end_tile && all(in_picture < slice.size),
         drawn_tile,
         slice.corner.y + in_picture.y,
         in_tile,
@@ -255,7 +258,7 @@ fn film_ray(place: Place, film: vec2<f32>) -> CameraRay {
 
 @compute @workgroup_size(WORKGROUP)
 fn trace_main(@builtin(global_invocation_id) id: vec3<u32>) {
-    let place = place_of(id.x);
+    let place = place_of(id);
     if !place.is_inside {
         return;
     }

@@ -32,6 +32,7 @@ mod layout;
 mod levels;
 mod lobes;
 mod lod_regions;
+mod long_paths;
 mod materials;
 mod metrics;
 mod nap;

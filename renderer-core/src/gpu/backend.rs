@@ -9,6 +9,7 @@ use crate::render::convergence::{PixelErrors, has_estimate, is_decision, leads_o
 use crate::render::progressive::check_size;
 use crate::render::{
     Backend, BackendKind, Counters, MAX_SIDE, Optimisation, Progress, RenderError, RenderRequest,
+    Settings,
 };
 
 use super::GpuContext;
@@ -317,6 +318,8 @@ impl Work {
         slice.end_sample = dispatch.samples.end;
         slice.stride = dispatch.stride;
         slice.pixels_per_tile = dispatch.pixels_per_tile();
+        let rows_of_workgroups = rows_of_workgroups(context, &self.request.settings);
+        slice.background[3] = rows_of_workgroups as f32;
         let rows = self.accumulation.rows_of(&dispatch.tiles);
         let [from, to] = rows.map(|row| slice.corner[1] + row);
         let levels = self
@@ -350,13 +353,33 @@ impl Work {
                 pass.set_pipeline(pipeline);
                 pass.set_bind_group(0, &scene.group, &[]);
                 pass.set_bind_group(1, &group, &[]);
-                pass.dispatch_workgroups(dispatch.workgroups(), 1, 1);
+                pass.dispatch_workgroups(dispatch.workgroups(), rows_of_workgroups, 1);
             }
             encoder
         })?;
         context.submit_and_wait(encoder)?;
         self.schedule.finish(dispatch);
         Ok(())
+    }
+}
+
+/// Most scatterings of paths whose loops software Vulkan never cuts short when it runs them in step.
+const MOST_BOUNCES_IN_STEP: u32 = 5;
+/// Threads that software Vulkan runs in step.
+const THREADS_IN_STEP: u32 = 8;
+
+/// How many rows of workgroups share out the threads of a dispatch, each thread working in one of them.
+///
+/// Mesa's software Vulkan ends all loops of the threads that it runs in step after 65,535 rounds, whatever the loops are about,
+/// and reports nothing: paths then end inside the cloth as if they had left it. Where such threads part, the rounds of all of
+/// them add up. Eight paths of 64 scatterings in crowded terry need 32,000 in the mean and up to 100,000; one alone 6,000 and up
+/// to 50,000. So threads with long paths run alone.
+fn rows_of_workgroups(context: &GpuContext, settings: &Settings) -> u32 {
+    let bounces = settings.path_cutoff().unwrap_or(settings.bounces);
+    if context.is_software() && bounces > MOST_BOUNCES_IN_STEP {
+        THREADS_IN_STEP
+    } else {
+        1
     }
 }
 
@@ -442,8 +465,8 @@ impl Backend for GpuBackend {
             let buffer_end = |place| accumulation.buffer_of(place).1;
             let settings = &work.request.settings;
             let samples = work.schedule.samples();
-            // Samples that learn shadows from each other come one by one. On software Vulkan all do: Mesa's ends the
-            // loops of a thread, whatever they are about, once they have made 65 536 turns together.
+            // Samples that learn shadows from each other come one by one. On software Vulkan all do: see
+            // `rows_of_workgroups`.
             let caches = work.key.cached_shadows;
             let learns = caches && settings.caches_shadows(samples);
             let most = if learns || self.context.is_software() {

@@ -258,7 +258,7 @@ mirrors! {
         shadow_layers_below: i32,
         /// Its layers in a millimetre.
         shadow_layers_per_mm: f32,
-        /// Background.
+        /// Background; of how many neighbouring threads of the tracing program one works at a time.
         background: [f32; 4],
     }
 }

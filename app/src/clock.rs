@@ -1,7 +1,7 @@
 //! What a piece of work costs: time by the clock and, where the system tells it, time of the processor.
 //!
-//! On a busy machine the clock tells more of the others than of us; the time that all threads of this process have spent on
-//! a core does not. It is the cost of the processor's backends; a GPU's work shows on the clock alone.
+//! On a busy machine the clock tells more of the others than of us; the time that all threads of this process have
+//! spent on a core does not. It is the cost of the processor's backends; a GPU's work shows on the clock alone.
 
 use std::fs;
 use std::ops::AddAssign;

@@ -394,7 +394,7 @@ fn hostile_bundles_reach_nothing_outside() {
         &archive(&[("preset.toml", &spaces)]),
         "has 17825792 bytes, allowed are at most 16777216",
     );
-    // Faults are told with the place in the bundle's preset.
+    // Faults are reported with the place in the bundle's preset.
     let faulty = archive(&[("preset.toml", b"format = 1\n[sheet]\nwarps = -1\n")]);
     refused(&shop, &faulty, "broken.towel/preset.toml:3:");
     let newer = archive(&[("preset.toml", b"format = 2\n")]);
@@ -404,7 +404,7 @@ fn hostile_bundles_reach_nothing_outside() {
 #[test]
 fn a_bomb_is_not_unpacked_beyond_what_it_says() {
     let shop = Workshop::new();
-    // 64 MiB of zeros in 64 kB, whose size is told as 100 bytes.
+    // 64 MiB of zeros in 64 kB, whose size is given as 100 bytes.
     let zeros = vec![0; 64 << 20];
     let mut chart = flate2_of(&zeros);
     let preset: &[u8] = b"format = 1\nchart.image = \"c.png\"\n";

@@ -413,7 +413,8 @@ fn arguments_change_the_picture() {
     for more in [["--camera", "above"], ["--backend", "cpu"]] {
         assert_eq!(with(more), seen[0], "{more:?}");
     }
-    // The reference draws the same samples: but for rounding, and one or two that rounding puts beside an edge, the same.
+    // The reference draws the same samples: but for rounding, and one or two that rounding puts beside an edge, the
+    // same.
     let pixels = |png: &[u8]| {
         image::load_from_memory(png)
             .unwrap()
@@ -442,7 +443,8 @@ fn a_picture_of_the_surroundings_lights_the_cloth() {
             .replace("'single'", "'tracked'")
             .replace("samples = 2", "samples = 128")
             + &format!(
-                "[light]\nsun = []\nbackground = '#000000'\nenvironment = {{ kind = 'image', image = 'skies/{name}.png', radiance = 3 }}\n\
+                "[light]\nsun = []\nbackground = '#000000'\nenvironment = \
+                 {{ kind = 'image', image = 'skies/{name}.png', radiance = 3 }}\n\
                  [skeleton]\nvisible = false\n"
             );
         let text = text.replace("base_width", "lean_x = 60\nbase_width");
@@ -477,8 +479,8 @@ fn a_picture_of_the_surroundings_lights_the_cloth() {
             "{left} and {right}, not {dark}"
         );
         assert!((left / right - 1.0).abs() > 0.02, "{left} and {right}");
-        // Directions are drawn by the light, column by column: a turned picture gives other samples of the same mean, here three
-        // in a thousand apart.
+        // Directions are drawn by the light, column by column: a turned picture gives other samples of the same mean,
+        // here three in a thousand apart.
         assert!(
             (turned / right - 1.0).abs() < 0.012,
             "{turned}, not {right}"
@@ -494,15 +496,19 @@ fn bad_presets_are_refused_with_file_place_value_and_what_is_allowed() {
         ("format = 1\n[pile]\ntilt = 200", &["bad.toml:3:8: pile.tilt is 200, allowed is 0 to 180"][..]),
         ("format = 1\n[pile]\ntlit = 2", &["bad.toml:3:1: pile.tlit is not a field; did you mean pile.tilt?"]),
         ("format = 1\n[view]\nexposure = nan", &["bad.toml:3:12: view.exposure is nan, allowed is -16 to 16 EV"]),
-        ("format = 1\n[weave]\npattern = [[7, 0], [0, 5]]", &["bad.toml:3:24: weave.pattern[1][1] is 5, allowed is 0 (weft over), 1 "]),
+        ("format = 1\n[weave]\npattern = [[7, 0], [0, 5]]", &["bad.toml:3:24: weave.pattern[1][1] is 5, allowed is 0 \
+            (weft over), 1 "]),
         ("format = 2", &["bad.toml:1:10: format is 2, newer than this program"]),
-        ("format = 1\n[chart]\nimage = 'gone.png'", &["bad.toml:3:9: chart.image: gone.png: chart image: cannot be read"]),
+        ("format = 1\n[chart]\nimage = 'gone.png'", &["bad.toml:3:9: chart.image: gone.png: chart image: cannot be \
+            read"]),
         ("format = 1\n[light]\nenvironment.kind = 'image'\nenvironment.image = 'gone.hdr'", &["bad.toml:4:21: light.environment.image: gone.hdr: environment image: cannot be read"]),
         ("format = 1\n[light.environment]\nimage = 'wide.png'\n[chart]\nimage = 'gone.png'", &["bad.toml:3:9: light.environment.image: wide.png: environment image: has 9000 x 1 pixels, allowed are at most 8192 x 4096", "bad.toml:5:9: chart.image: gone.png"]),
-        ("format = 1\n[light.environment]\nkind = 'image'", &["bad.toml:2:1: light.environment.image is left out, allowed is the path of an image"]),
+        ("format = 1\n[light.environment]\nkind = 'image'", &["bad.toml:2:1: light.environment.image is left out, \
+            allowed is the path of an image"]),
         ("format = 1\n[chart]\nimage = 'bad.toml'", &["bad.toml: chart image: is neither a PNG nor a JPEG file"]),
         ("format = 1\n[chart]\nimage = 'cut.png'", &["cut.png: chart image: is broken"]),
-        ("format = 1\n[chart]\nimage = 'wide.png'", &["wide.png: chart image: has 9000 x 1 pixels, allowed are at most 8192 x 8192"]),
+        ("format = 1\n[chart]\nimage = 'wide.png'", &["wide.png: chart image: has 9000 x 1 pixels, allowed are at \
+            most 8192 x 8192"]),
         ("format = 1\n[pile]\ntilt = 200\nplies = 0", &["bad.toml:3:8: ", "bad.toml:4:9: "]),
         ("format = \u{0}", &["bad.toml:1:"]),
     ];
@@ -551,11 +557,13 @@ fn bad_arguments_are_refused_with_value_and_what_is_allowed() {
         (2, "-o x.png --time inf", &["'inf'", "seconds above 0"]),
         (2, "-o x.png --method six", &["'six'", "\"single\", \"layered\", \"exact\", \"six-face\" or \"tracked\""]),
         (2, "-o x.png --backend abacus", &["'abacus'", "auto, gpu, cpu, reference"]),
-        (2, "-o x.png --camera behind", &["small.toml: there is no camera \"behind\", allowed are \"above\", \"side\""]),
+        (2, "-o x.png --camera behind", &["small.toml: there is no camera \"behind\", allowed are \"above\", \
+            \"side\""]),
         (2, "-o x.png --set pile.tlit=3", &["--set pile.tlit=3: pile.tlit is not a field; did you mean pile.tilt?"]),
         (2, "-o x.png --set pile.tilt=181", &["pile.tilt is 181, allowed is 0 to 180"]),
         (2, "-o x.png --set pile.tilt", &["'pile.tilt'", "allowed is PATH=VALUE"]),
-        (2, "-o x.png --set length.min=99", &["small.toml: with what was set, length.min is 99, allowed is at most length.max"]),
+        (2, "-o x.png --set length.min=99", &["small.toml: with what was set, length.min is 99, allowed is at most \
+            length.max"]),
         (2, "-o x.png --set chart.image=gone.png", &["error: gone.png: chart image: cannot be read"]),
         (2, "-o x.png --set light.environment.image=gone.hdr", &["error: gone.hdr: environment image: cannot be read"]),
         (2, "-o x.png --set light.environment.kind=image", &["light.environment.image is left out"]),
@@ -605,7 +613,14 @@ fn bad_arguments_are_refused_with_value_and_what_is_allowed() {
         &["rendr", "small.toml", "-o", "x.png"],
         &["rendr: there is no such preset, nor such a command"],
     );
-    bench.fails(2, &["rendr"], &["rendr: there is no such preset, nor such a command; commands are render, bench, pace, edits, check, export, info"]);
+    bench.fails(
+        2,
+        &["rendr"],
+        &[
+            "rendr: there is no such preset, nor such a command; commands are render, bench, \
+        pace, edits, check, export, info",
+        ],
+    );
 }
 
 #[test]
@@ -1105,14 +1120,14 @@ fn info_and_version_tell_what_would_be_used() {
     for arguments in [["info"], ["--version"], ["-V"]] {
         let output = bench.run(&arguments);
         assert!(output.status.success());
-        let told = text(&output.stdout);
+        let message = text(&output.stdout);
         for part in [
             concat!("towel-designer ", env!("CARGO_PKG_VERSION")),
             "adapters: none",
             "pictures up to 16384 x 16384",
             "--backend auto uses: cpu",
         ] {
-            assert!(told.contains(part), "{told}");
+            assert!(message.contains(part), "{message}");
         }
     }
 }

@@ -356,15 +356,15 @@ fn faults_of_a_preset_are_told_with_their_lines_and_nothing_is_lost() {
     wait(&mut harness, "the error", |h| {
         h.query_by_label("Preset not opened").is_some()
     });
-    let told = harness
+    let message = harness
         .get_by_label_contains("broken.toml")
         .accesskit_node()
         .label()
         .or_else(|| harness.get_by_label_contains("broken.toml").value())
         .unwrap_or_default();
     assert!(
-        told.contains("broken.toml:5:") && told.contains("broken.toml:6:"),
-        "{told}"
+        message.contains("broken.toml:5:") && message.contains("broken.toml:6:"),
+        "{message}"
     );
     assert_eq!(*design(&harness), Design::default());
     click(&mut harness, "Dismiss: Preset not opened");

@@ -1,4 +1,4 @@
-//! Height pictures as files: they are kept with a design, and what is wrong with them is told.
+//! Height pictures as files: they are kept with a design, and what is wrong with them is reported.
 
 use std::fs;
 use std::path::Path;
@@ -52,22 +52,22 @@ fn pictures_of_all_kinds_are_read_as_grey() {
 #[test]
 fn a_picture_that_cannot_be_read_is_told() {
     let (folder, preset) = folder_with_preset();
-    let told = || files::load_design(&preset).unwrap_err().to_string();
-    let missing = told();
+    let message = || files::load_design(&preset).unwrap_err().to_string();
+    let missing = message();
     assert!(
         missing.contains("relief.toml:4:9: form.image: ")
             && missing.contains("heights.png: height picture: cannot be read"),
         "{missing}"
     );
     fs::write(folder.path().join("heights.png"), "no picture").unwrap();
-    let wrong = told();
+    let wrong = message();
     assert!(
         wrong.contains("heights.png: height picture: is neither a PNG nor a JPEG file"),
         "{wrong}"
     );
     let wide = image::GrayImage::new(HeightImage::MAX_SIDE as u32 + 1, 1);
     wide.save(folder.path().join("heights.png")).unwrap();
-    let large = told();
+    let large = message();
     assert!(large.contains("allowed are at most 8192 x 8192"), "{large}");
 }
 

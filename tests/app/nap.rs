@@ -1,4 +1,4 @@
-//! Nap maps as files: they are kept as a chart is, and what is wrong with them is told.
+//! Nap maps as files: they are kept as a chart is, and what is wrong with them is reported.
 
 use std::fs;
 
@@ -57,16 +57,16 @@ fn a_map_that_cannot_be_read_is_told() {
     let folder = tempfile::tempdir().unwrap();
     let preset = folder.path().join("rug.toml");
     fs::write(&preset, "format = 1\n[nap]\nimage = \"gone.png\"\n").unwrap();
-    let told = files::load_design(&preset).unwrap_err().to_string();
+    let message = files::load_design(&preset).unwrap_err().to_string();
     assert!(
-        told.contains("rug.toml:3:9: nap.image: ")
-            && told.contains("gone.png: nap map: cannot be read"),
-        "{told}"
+        message.contains("rug.toml:3:9: nap.image: ")
+            && message.contains("gone.png: nap map: cannot be read"),
+        "{message}"
     );
     fs::write(folder.path().join("gone.png"), "no picture").unwrap();
-    let told = files::load_design(&preset).unwrap_err().to_string();
+    let message = files::load_design(&preset).unwrap_err().to_string();
     assert!(
-        told.contains("gone.png: nap map: is neither a PNG nor a JPEG file"),
-        "{told}"
+        message.contains("gone.png: nap map: is neither a PNG nor a JPEG file"),
+        "{message}"
     );
 }

@@ -424,7 +424,7 @@ fn the_largest_picture_is_made_in_bands_of_bounded_memory() {
 
 #[test]
 fn the_time_left_counts_down_steadily_though_the_pace_changes() {
-    // Work of 300 s whose pace swings by half every 20 s, told ten times a second.
+    // Work of 300 s whose pace swings by half every 20 s, reported ten times a second.
     let mut left = TimeLeft::default();
     let (mut share, mut before, mut largest_rise) = (0.0, None, 0.0_f64);
     for tick in 1..=3000 {
@@ -436,7 +436,7 @@ fn the_time_left_counts_down_steadily_though_the_pace_changes() {
             let truth = 300.0 - elapsed;
             assert!(
                 (now - truth).abs() < 0.15 * truth + 15.0,
-                "{now} s told with {truth} s left"
+                "{now} s given with {truth} s left"
             );
             if let Some(before) = before {
                 largest_rise = largest_rise.max(now - before);

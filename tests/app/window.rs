@@ -101,7 +101,8 @@ fn the_program_opens_draws_saves_and_closes() {
 /// Size of the window that the scripted run drives, pixels.
 const SIZE: [u32; 2] = [1280, 720];
 
-/// Where things are in the window: the same design in a window that is drawn nowhere and tells the places of its widgets.
+/// Where things are in the window: the same design in a window that is drawn nowhere and tells the places of its
+/// widgets.
 fn twin(preset: &Path) -> Harness<'static, App> {
     let size = vec2(SIZE[0] as f32, SIZE[1] as f32);
     let mut twin = designer::designer_of_size(Some(preset.to_path_buf()), size);

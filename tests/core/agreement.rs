@@ -1,5 +1,5 @@
-//! `tracked` pictures of the GPU against the reference's: 256 samples a pixel on each side, as 16 pictures of 16 with seeds of
-//! their own, compared pixel by pixel.
+//! `tracked` pictures of the GPU against the reference's: 256 samples a pixel on each side, as 16 pictures of 16 with
+//! seeds of their own, compared pixel by pixel.
 
 use renderer_core::design::{Colour, Design, Method, Pattern, Phase};
 use renderer_core::image::Picture;
@@ -35,8 +35,8 @@ pub fn tracked(mut design: Design, bounces: u32) -> Design {
     design
 }
 
-/// Loops so thin that light passes through several, lit from where they are seen: how bright they are follows their density,
-/// and the share of light that the phase sends back.
+/// Loops so thin that light passes through several, lit from where they are seen: how bright they are follows their
+/// density, and the share of light that the phase sends back.
 pub fn thin_towel() -> Design {
     let mut design = small_towel();
     (design.pile.density, design.skeleton.visible) = (1.0, false);
@@ -62,8 +62,8 @@ pub fn backlit_towel() -> Design {
 /// A slightly wrong design, and what is wrong with it.
 pub type Wrong = (&'static str, fn(&mut Design));
 
-/// The backend's pictures are draws of what the reference's are draws of, and those of wrong designs are not; the test can
-/// tell a relative difference of `bias` of the whole.
+/// The backend's pictures are draws of what the reference's are draws of, and those of wrong designs are not; the test
+/// can tell a relative difference of `bias` of the whole.
 pub fn assert_agree_and_tell<'a>(
     backend: &mut dyn Backend,
     case: impl Into<Case<'a>>,
@@ -74,7 +74,7 @@ pub fn assert_agree_and_tell<'a>(
     let case = case.into();
     let expected = on_reference(case, size);
     let power = same_distribution(&expected, &on_backend(backend, case, size)).unwrap();
-    // In one pixel of 256 samples much less can be told.
+    // In one pixel of 256 samples much less can be said.
     assert!(power.whole < bias && power.pixel < 50.0 * bias, "{power:?}");
     for (what, wrong) in wrongs {
         let mut design = case.design.clone();
@@ -167,8 +167,8 @@ fn wrong_noise_and_wrong_pixels_are_refused() {
     // The same mean from half as many samples: twice the variance.
     let mut noisier = design.clone();
     noisier.quality.samples = SAMPLES / 2;
-    let told = same_distribution(&expected, &on_reference(&noisier, SIZE)).unwrap_err();
-    assert!(told.starts_with("noise"), "{told}");
+    let message = same_distribution(&expected, &on_reference(&noisier, SIZE)).unwrap_err();
+    assert!(message.starts_with("noise"), "{message}");
 
     // One pixel of all is twice as bright; pictures are upside down; not a number.
     let changed = |change: fn(&mut Picture)| {
@@ -198,7 +198,8 @@ pub fn unlike_presets_agree(backend: &mut dyn Backend) {
             let power = same_distribution(&expected, &on_backend(backend, &design, SIZE))
                 .unwrap_or_else(|error| panic!("{name}, {bounces} bounces: {error}"));
             eprintln!("{name}, {bounces} bounces: {power:?}");
-            // What a picture of so few pixels can tell: the paper's presets are almost black where the sun does not reach.
+            // What a picture of so few pixels can tell: the paper's presets are almost black where the sun does not
+            // reach.
             assert!(power.whole < 0.15, "{name}, {bounces} bounces: {power:?}");
         }
     }

@@ -1,5 +1,5 @@
-//! Bounced light that is estimated after some scattering (`Settings::traced_bounces`): the same on all backends, near the
-//! traced light, and nothing of it where all bounces are traced.
+//! Bounced light that is estimated after some scattering (`Settings::traced_bounces`): the same on all backends, near
+//! the traced light, and nothing of it where all bounces are traced.
 
 use renderer_core::cpu::CpuBackend;
 use renderer_core::design::{Design, Method};

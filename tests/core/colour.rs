@@ -1,8 +1,8 @@
 //! Colours of finished cloth: how much light leaves white terry after each number of scatterings, which is what the
 //! albedo table is made of, and pictures of uniform charts against their colour (MODEL.md §6).
 //!
-//! The measurement is the reference's: its rays, its free paths, its phase functions. What is this file's own is the walk
-//! without lights, which counts scatterings until a ray leaves.
+//! The measurement is the reference's: its rays, its free paths, its phase functions. What is this file's own is the
+//! walk without lights, which counts scatterings until a ray leaves.
 
 use std::sync::Arc;
 
@@ -299,7 +299,8 @@ fn renders_as_itself(phase: Phase, transmission: f64, bounces: u32, colours: &[[
     });
     for &colour in colours {
         let texel = Colour(colour).linear();
-        // Only white is beyond cotton; where light goes deep before it comes back, 16 bounces show less of every colour.
+        // Only white is beyond cotton; where light goes deep before it comes back, 16 bounces show less of every
+        // colour.
         let expected = table.reached(texel);
         assert!(phase != Phase::Isotropic || colour == [255; 3] || expected == texel);
         let found = mean_of_chart(phase, transmission, Colour(colour), bounces);
@@ -378,7 +379,7 @@ fn white_is_what_cotton_can_reach() {
         assert!((albedo[2] - max_albedo).abs() < 1e-3 && albedo[0] < albedo[2]);
         reached[0]
     };
-    // As told in the documentation of `pile.max_albedo`.
+    // As stated in the documentation of `pile.max_albedo`.
     assert!((reach(64, 0.985) - 0.6).abs() < 0.005);
     assert!((reach(16, 0.985) - 0.48).abs() < 0.005);
     // More bounces and whiter cotton are brighter.

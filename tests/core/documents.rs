@@ -63,7 +63,8 @@ fn add_files(folder: &Path, name: &str, files: &mut BTreeSet<String>) {
     }
 }
 
-/// Words of a text that are names of files. Markdown counts in capitals only: other names are those of files that programs write.
+/// Words of a text that are names of files. Markdown counts in capitals only: other names are those of files that
+/// programs write.
 fn cited_files(text: &str) -> impl Iterator<Item = &str> {
     let is_part = |c: char| c.is_ascii_alphanumeric() || "_./-".contains(c);
     let words = text.split(move |c| !is_part(c));
@@ -82,7 +83,8 @@ fn cited_files(text: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// Numbers of sections that a text cites after "MODEL.md": one, or several joined by nothing but commas, "and" and "to".
+/// Numbers of sections that a text cites after "MODEL.md": one, or several joined by nothing but commas, "and" and
+/// "to".
 fn cited_sections(text: &str) -> Vec<u32> {
     let mut sections = Vec::new();
     for after in text.split("MODEL.md").skip(1) {
@@ -213,8 +215,8 @@ fn the_model_cites_its_own_sections() {
     );
 }
 
-/// Links of a Markdown text that lead nowhere. `exists` tells of a path from the text's folder, `anchors` which headings the
-/// file there has; of the text itself for the empty path.
+/// Links of a Markdown text that lead nowhere. `exists` tells of a path from the text's folder, `anchors` which
+/// headings the file there has; of the text itself for the empty path.
 fn dead_links(
     text: &str,
     exists: impl Fn(&str) -> bool,

@@ -92,7 +92,8 @@ fn an_image_is_asked_for_where_the_kind_needs_one() {
     let faults = preset::parse(text).unwrap_err();
     assert_eq!(
         faults[0].to_string(),
-        "2:1: light.environment.image is left out, allowed is the path of an image when light.environment.kind is \"image\""
+        "2:1: light.environment.image is left out, allowed is the path of an image when light.environment.kind is \
+         \"image\""
     );
     let mut design = Design::default();
     design.light.environment.kind = EnvironmentKind::Gradient;

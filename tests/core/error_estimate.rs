@@ -74,7 +74,8 @@ fn assert_estimates(
 fn the_estimate_is_the_true_error_of_presets() {
     let (mut gpu, mut cpu) = (gpu(), CpuBackend::default());
     let mut paths = unlike_preset_paths();
-    // Velvet's highlights are so rare that one of them can be half of a picture's error: estimates were from 0.34 to 1.8 of it.
+    // Velvet's highlights are so rare that one of them can be half of a picture's error: estimates were from 0.34 to
+    // 1.8 of it.
     paths.retain(|path| *path != preset_path("velvet"));
     for path in paths {
         let mut design = load_design(&path);

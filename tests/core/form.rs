@@ -140,9 +140,9 @@ fn differing(a: &Picture, b: &Picture) -> usize {
     pairs.filter(differs).count()
 }
 
-/// Whether a picture of bent cloth by the GPU holds the reference's samples. f32 knows a place in the world to 10⁻⁵ mm where it
-/// knows one of level cloth, told from its cell, to 10⁻⁷: more samples turn on rounding, and voxels change some by a few
-/// thousandths. So flips are counted: up to this share of the pixels may be.
+/// Whether a picture of bent cloth by the GPU holds the reference's samples. f32 knows a place in the world to 10⁻⁵ mm
+/// where it knows one of level cloth, seen from its cell, to 10⁻⁷: more samples turn on rounding, and voxels change
+/// some by a few thousandths. So flips are counted: up to this share of the pixels may be.
 pub fn nearly_same(expected: &Picture, drawn: &Picture, most_share: f64) -> Result<(), String> {
     let flips = differing(expected, drawn);
     let most = (most_share * expected.pixels.len() as f64) as usize;
@@ -321,8 +321,8 @@ fn the_environment_is_that_of_the_world() {
 
 #[test]
 fn nothing_shines_through_the_seams_of_facets() {
-    // A ground as tight as paper, without loops, before a bright wall and in the dark: what is seen of the wall inside of the
-    // cloth's outline has come through a seam.
+    // A ground as tight as paper, without loops, before a bright wall and in the dark: what is seen of the wall inside
+    // of the cloth's outline has come through a seam.
     let mut design = small_towel();
     design.weave.pattern = renderer_core::design::Pattern::filled(1, 1, 1);
     design.light.sun.clear();
@@ -369,8 +369,8 @@ fn cloth_is_bent_and_not_stretched() {
             };
             let lengths = [at(1.0, 0.0) - at(0.0, 0.0), at(0.0, 1.0) - at(0.0, 0.0)];
             let flat = mesh.facet_mm();
-            // Chords are shorter than arcs by a twenty-fourth of their angle's square: facets are no smaller than a block, here
-            // up to 0.35 of the roll's and the folds' radius. Hanging folds shear a little.
+            // Chords are shorter than arcs by a twenty-fourth of their angle's square: facets are no smaller than a
+            // block, here up to 0.35 of the roll's and the folds' radius. Hanging folds shear a little.
             let most = if bend.0 == "over a rail" { 0.1 } else { 0.006 };
             for (length, flat) in lengths.iter().zip([flat.x, flat.y]) {
                 let stretched = length.length() / flat - 1.0;
@@ -418,8 +418,8 @@ fn places_of_the_sheet_are_found_again() {
 
 #[test]
 fn pointed_places_are_those_that_are_seen() {
-    // The picture of a camera and the way back: a sheet position whose place in the world is seen straight on is the one
-    // that its pixel shows.
+    // The picture of a camera and the way back: a sheet position whose place in the world is seen straight on is the
+    // one that its pixel shows.
     let design = bent(BENDS[0]);
     let mesh = mesh(&design);
     let camera = Camera::from_design(&design.view.cameras[0]);

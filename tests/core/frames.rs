@@ -21,7 +21,7 @@ fn plain() -> Design {
     design
 }
 
-/// A loop 2 mm wide that stands as it is told.
+/// A loop 2 mm wide that stands as it is given.
 fn settings() -> FrameSettings {
     FrameSettings {
         base_width: 2.0,
@@ -240,8 +240,8 @@ fn jitter_moves_lean_twist_and_length() {
 
 #[test]
 fn top_corners_stay_above_the_sheet() {
-    // Leaning along x with a quarter twist, the half top edge is (−cos θ, 0, sin θ); its lower end is at L cos θ − sin θ
-    // above the roots. With L = 1 and roots on the sheet that is zero at θ = 45°.
+    // Leaning along x with a quarter twist, the half top edge is (−cos θ, 0, sin θ); its lower end is at L cos θ − sin
+    // θ above the roots. With L = 1 and roots on the sheet that is zero at θ = 45°.
     let settings = FrameSettings {
         twist: FRAC_PI_2,
         ..settings()
@@ -480,11 +480,12 @@ fn the_designer_is_told_what_was_changed() {
     design.pile.base_width = 1.0;
     let scene = compile(&design).unwrap();
     assert_eq!(scene.loops.counts.repaired, scene.loops.counts.planted);
-    let told = warnings(&design, &scene);
+    let message = warnings(&design, &scene);
     assert!(
-        told.iter()
+        message
+            .iter()
             .any(|w| w.path == "pile" && w.text.contains("16800 of 16800")),
-        "{told:?}"
+        "{message:?}"
     );
     assert!(warnings(&plain(), &compile(&plain()).unwrap()).is_empty());
 }

@@ -101,7 +101,7 @@ fn a_lost_device_is_an_error_wherever_it_is_used() {
     let request = request(&small_towel(), [64, 64]);
     let never = AtomicBool::new(false);
     let is_lost = |error: RenderError| {
-        // Told as lost as soon as the device itself has told; until then as what failed.
+        // Reported as lost as soon as the device itself has said so; until then as what failed.
         matches!(error, RenderError::Lost(_) | RenderError::Device(_))
     };
     let begun = || {
@@ -302,7 +302,7 @@ fn sizes_are_checked() {
     ] {
         (request.size, request.crop) = (size, crop);
         match gpu().begin(&request) {
-            Err(RenderError::Size(told)) => assert!(told.contains(says), "{told}"),
+            Err(RenderError::Size(message)) => assert!(message.contains(says), "{message}"),
             other => panic!("{size:?} {crop:?}: {other:?}"),
         }
     }
@@ -447,8 +447,8 @@ fn counters_are_the_references_but_for_what_is_skipped() {
         assert_eq!(gpu.rays, u64::from(SIZE[0] * SIZE[1]));
         // A ray near an edge may turn on rounding.
         assert!(gpu.shadow_rays.abs_diff(all.shadow_rays) <= 2);
-        // What lies behind ground yarns, or behind the event that ends a ray, is not looked at. The device tells apart what
-        // a ray passes in a block as a whole, the reference piece by piece: a few tests more.
+        // What lies behind ground yarns, or behind the event that ends a ray, is not looked at. The device tells apart
+        // what a ray passes in a block as a whole, the reference piece by piece: a few tests more.
         for (name, gpu, all) in [
             ("cells", gpu.cells, all.cells),
             ("patch tests", gpu.patch_tests, all.patch_tests),

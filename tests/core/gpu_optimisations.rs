@@ -1,5 +1,5 @@
-//! What the shaders leave out: with each skip off the GPU draws the same picture, to the bit where the skip is exact; and
-//! its counter moves.
+//! What the shaders leave out: with each skip off the GPU draws the same picture, to the bit where the skip is exact;
+//! and its counter moves.
 
 use renderer_core::design::{Design, Method, Pattern};
 use renderer_core::gpu::GpuBackend;

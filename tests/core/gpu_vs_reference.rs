@@ -1,5 +1,5 @@
-//! The GPU draws what the reference draws: the same samples to rounding for `single` and `layered`, the same expectation
-//! for everything with free paths.
+//! The GPU draws what the reference draws: the same samples to rounding for `single` and `layered`, the same
+//! expectation for everything with free paths.
 
 use renderer_core::cpu::CpuBackend;
 use renderer_core::design::{

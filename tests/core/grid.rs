@@ -37,8 +37,8 @@ fn listed(scene: &Scene, planted: PlantedLoop, cell: [i64; 2]) -> Option<Listed>
     })
 }
 
-/// The bit of the subcell of a block, n along each side, that a point in `cell` is in; `place` is the point's in its cell,
-/// from 0 to 1.
+/// The bit of the subcell of a block, n along each side, that a point in `cell` is in; `place` is the point's in its
+/// cell, from 0 to 1.
 fn subcell(scene: &Scene, cell: [i64; 2], place: [f64; 2], n: i64) -> u32 {
     let b = i64::from(scene.loops.block_cells);
     let [x, y] = [0, 1].map(|k| {
@@ -48,8 +48,8 @@ fn subcell(scene: &Scene, cell: [i64; 2], place: [f64; 2], n: i64) -> u32 {
     1 << (x + n * y)
 }
 
-/// Checks that points inside loops' volumes are listed in their block, in the quadrant that they are in and within the entry's
-/// heights, and points on their patches in their ninth.
+/// Checks that points inside loops' volumes are listed in their block, in the quadrant that they are in and within the
+/// entry's heights, and points on their patches in their ninth.
 fn check_grid_holds_volumes(scene: &Scene, points: usize) {
     let (sheet, loops) = (&*scene.sheet, &*scene.loops);
     let planted: Vec<_> = (0..sheet.wefts)
@@ -218,7 +218,8 @@ fn lists_are_as_short_as_the_loops_outline() {
         .collect();
     assert_eq!(all.len(), loops.shapes.len());
 
-    // A lean of 1 rad along x with length 3: the axis goes 2.5 mm along x, and the thickness adds 0.2·cos 1 to either side.
+    // A lean of 1 rad along x with length 3: the axis goes 2.5 mm along x, and the thickness adds 0.2·cos 1 to either
+    // side.
     let mut leaning = upright();
     leaning.pile.lean_x = 1.0_f64.to_degrees();
     let scene = compile(&leaning).unwrap();
@@ -229,8 +230,8 @@ fn lists_are_as_short_as_the_loops_outline() {
         [[-beside, ahead + beside], [-0.75, 0.75]],
         [[0.0, ahead], [-0.75, 0.75]],
     );
-    // Heights: over the cells from 1.5 mm on, that is the block two cells to the right, the volume's lowest point is on its
-    // lower side, 1.5·cot 1 − 0.2/sin 1 above the root; the top edge's upper side ends at 3 cos 1 + 0.2 sin 1.
+    // Heights: over the cells from 1.5 mm on, that is the block two cells to the right, the volume's lowest point is on
+    // its lower side, 1.5·cot 1 − 0.2/sin 1 above the root; the top edge's upper side ends at 3 cos 1 + 0.2 sin 1.
     let loops = &*scene.loops;
     assert_eq!(loops.block_cells, 2);
     let own = PlantedLoop {
@@ -250,8 +251,8 @@ fn lists_are_as_short_as_the_loops_outline() {
     assert!(z1 >= top && z1 < top + step, "{z1}, not {top}");
 }
 
-/// Checks quadrants and ninths of all lists where every loop's volume and patch cover the same box seen from above, mm from
-/// the middle of the loop's cell.
+/// Checks quadrants and ninths of all lists where every loop's volume and patch cover the same box seen from above, mm
+/// from the middle of the loop's cell.
 fn check_footprints(scene: &Scene, volume: [[f64; 2]; 2], patch: [[f64; 2]; 2]) {
     let (sheet, loops) = (&*scene.sheet, &*scene.loops);
     let b = loops.block_cells as f64;
@@ -356,8 +357,8 @@ fn shapes_are_off_by_half_a_unit_at_most() {
     let scene = compile(&design).unwrap();
     let (sheet, loops) = (&*scene.sheet, &*scene.loops);
     let unit = f64::from(loops.length_unit_mm);
-    // The longest component, of a loop of 2.8 mm stretched by 15 % and 8 % more at random, is told in 15 bits; nine bits of
-    // the unit may cost 1/256.
+    // The longest component, of a loop of 2.8 mm stretched by 15 % and 8 % more at random, is stored in 15 bits; nine
+    // bits of the unit may cost 1/256.
     assert!(unit < 2.8 * 1.23 / 32_767.0 * 1.004, "{unit}");
     assert_eq!(
         loops.length_unit_mm.to_bits() & 0x7fff,

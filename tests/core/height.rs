@@ -4,7 +4,7 @@ use glam::DVec3;
 use renderer_core::design::{Design, FormKind, HeightImage, preset};
 use renderer_core::scene::{CompileError, Compiler, FormMesh, compile};
 
-/// A picture whose grey, from 0 to 1, is told at the middles of its pixels, counted from the lower left corner.
+/// A picture whose grey, from 0 to 1, is given at the middles of its pixels, counted from the lower left corner.
 fn picture(width: usize, height: usize, grey: impl Fn(f64, f64) -> f64) -> HeightImage {
     let at = |index: usize| {
         let (x, row) = (index % width, index / width);
@@ -31,7 +31,8 @@ fn mesh(design: &Design) -> FormMesh {
     compile(design).unwrap().form.as_ref().cloned().unwrap()
 }
 
-/// Calls `check` with points of the surface at least so far inside of the cloth of 80 × 60 mm, and the normals there; how many.
+/// Calls `check` with points of the surface at least so far inside of the cloth of 80 × 60 mm, and the normals there;
+/// how many.
 fn inside(design: &Design, margin: f64, mut check: impl FnMut(DVec3, DVec3)) -> u32 {
     let mesh = mesh(design);
     let [low, high] = mesh.heights;
@@ -50,8 +51,8 @@ fn inside(design: &Design, margin: f64, mut check: impl FnMut(DVec3, DVec3)) -> 
 
 #[test]
 fn the_surface_is_the_spline_of_the_picture() {
-    // A spline through the squares of whole numbers is the square and a third; means over squares that hold several pixels add a
-    // twelfth of their own side and take away that of a pixel. A plane stays a plane.
+    // A spline through the squares of whole numbers is the square and a third; means over squares that hold several
+    // pixels add a twelfth of their own side and take away that of a pixel. A plane stays a plane.
     for (pixels_per_mm, smooth) in [(1.0_f64, 0.5_f64), (1.0, 4.0), (4.0, 2.0), (0.5, 1.0)] {
         let (width, height) = (80.0 * pixels_per_mm, 60.0 * pixels_per_mm);
         let grey = |x: f64, y: f64| {
@@ -126,12 +127,12 @@ fn refused(design: &Design) -> String {
 #[test]
 fn what_cannot_be_raised_is_refused() {
     let cliff = under(picture(80, 60, |x, _| f64::from(x > 40.0)), 30.0, 2.0);
-    let told = refused(&cliff);
+    let message = refused(&cliff);
     for part in [
         "form.height is 30, bent so sharply",
         "passes through itself, allowed is less height, more of form.smooth, another form.image",
     ] {
-        assert!(told.contains(part), "{told}");
+        assert!(message.contains(part), "{message}");
     }
     // Each of what it advises helps.
     let mut lower = cliff.clone();

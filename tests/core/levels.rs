@@ -1,5 +1,5 @@
-//! Cloth without end, level by level of detail: a picture needs cells in proportion to its own size, each row is drawn as fine as
-//! it shows the cloth, levels give way to each other without a step, and every renderer draws them alike.
+//! Cloth without end, level by level of detail: a picture needs cells in proportion to its own size, each row is drawn
+//! as fine as it shows the cloth, levels give way to each other without a step, and every renderer draws them alike.
 
 use std::sync::Arc;
 
@@ -147,8 +147,8 @@ fn views_along_the_cloth_show_what_is_near_as_it_is() {
                 }
             }
             assert!(seen > 500, "{seen}");
-            // However far away, loops are about as wide in the picture: within a factor of two, and of what the plane they are
-            // measured in lies beside the one that levels are chosen by.
+            // However far away, loops are about as wide in the picture: within a factor of two, and of what the plane
+            // they are measured in lies beside the one that levels are chosen by.
             assert!(
                 coarsest == 0.0 || coarsest <= 2.6 * finest,
                 "{distance}, {elevation}°: {finest} to {coarsest} px"
@@ -173,22 +173,22 @@ fn small_bent_and_filtered_cloth_is_made_whole() {
     bent.form.kind = renderer_core::design::FormKind::Wave;
     let mut filtered = design.clone();
     filtered.turbulence.filter = renderer_core::design::Filter::Box;
-    // What each may have is told with what would allow more.
+    // What each may have is reported with what would allow more.
     for (design, advice) in [(&bent, "form.kind"), (&filtered, "turbulence.filter")] {
         assert!(!needs(design));
         let Err(CompileError::Invalid(faults)) = compile(design) else {
             panic!("too large");
         };
-        let told = faults[0].to_string();
+        let message = faults[0].to_string();
         assert!(
-            faults.len() == 1 && told.contains("sheet.wefts") && told.contains(advice),
-            "{told}"
+            faults.len() == 1 && message.contains("sheet.wefts") && message.contains(advice),
+            "{message}"
         );
     }
     // What makes all of a cloth at once says so.
     assert!(design.faults().is_empty());
-    let told = compile(&design).unwrap_err().to_string();
-    assert!(told.contains("at most 16000000 crossings"), "{told}");
+    let message = compile(&design).unwrap_err().to_string();
+    assert!(message.contains("at most 16000000 crossings"), "{message}");
 }
 
 #[test]
@@ -221,7 +221,8 @@ fn regions_are_kept_while_they_hold_what_is_seen() {
     }
 }
 
-/// A view along a cloth of three levels, of which only the first is the cloth's own: rows of each, and of two at a time.
+/// A view along a cloth of three levels, of which only the first is the cloth's own: rows of each, and of two at a
+/// time.
 fn three_levels() -> (Design, RenderRequest) {
     let mut design = small_towel();
     (design.sheet.warps, design.sheet.wefts) = (96, 96);

@@ -1,5 +1,5 @@
-//! The shaders' phase functions and surfaces on their own: equal to the reference's in value and in the directions drawn,
-//! and none gives back more than its albedo.
+//! The shaders' phase functions and surfaces on their own: equal to the reference's in value and in the directions
+//! drawn, and none gives back more than its albedo.
 
 use std::f64::consts::PI;
 
@@ -300,8 +300,8 @@ fn values_and_directions_are_those_of_the_reference() {
             let [red, green, blue] = [0, 1, 2].map(|c| f64::from(answer.value[c]));
             assert!((green - 0.5 * red).abs() < 1e-6 && (blue - 0.25 * red).abs() < 1e-6);
             bright += u32::from(value > 0.02);
-            // Tens of operations of 6e-8 each; powers multiply that by their exponent. The edge of a fibre's shadow is an
-            // angle whose cosine is known to 6e-8, itself to the root of that, 2.5e-4; the view's cosine divides it.
+            // Tens of operations of 6e-8 each; powers multiply that by their exponent. The edge of a fibre's shadow is
+            // an angle whose cosine is known to 6e-8, itself to the root of that, 2.5e-4; the view's cosine divides it.
             let grazing = question.view.dot(question.normal).abs().max(0.01);
             let allowed = match lobe {
                 Lobe::Fibres { .. } => 2e-4 + 1e-3 * value + 5e-5 / grazing,

@@ -1,5 +1,5 @@
-//! Regions: each shows what the whole cloth shows there, and halved cloth is as bright from everywhere. Which of them a picture
-//! needs is in `levels`.
+//! Regions: each shows what the whole cloth shows there, and halved cloth is as bright from everywhere. Which of them a
+//! picture needs is in `levels`.
 
 use std::sync::Arc;
 
@@ -182,13 +182,14 @@ fn colours_of_halved_cloth_are_mixed() {
         let half = of_region(&whole, &design, at_lod(&design, lod));
         let ratios = [0, 1, 2].map(|channel| channels(&half)[channel] / of_whole[channel]);
         eprintln!("LOD {lod}: {ratios:.3?}");
-        // Light that goes from red loops to blue ones is lost, which their mean does not tell: for single cells of such colours
-        // found are 0.90 to 1.13.
+        // Light that goes from red loops to blue ones is lost, which their mean does not tell: for single cells of such
+        // colours found are 0.90 to 1.13.
         assert!(
             ratios.iter().all(|ratio| (0.85..1.15).contains(ratio)),
             "{ratios:?}"
         );
-        // Four cells of one colour are one in five, sixteen one in seven hundred; by chance all loops would have one colour.
+        // Four cells of one colour are one in five, sixteen one in seven hundred; by chance all loops would have one
+        // colour.
         let of_one_colour = reds(half.scene())
             .into_iter()
             .filter(|red| *red <= least || *red >= most);

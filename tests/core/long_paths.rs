@@ -1,5 +1,5 @@
-//! Long paths on software Vulkan, which ends the loops of neighbouring threads together after 65,535 rounds and reports nothing:
-//! then a pixel depends on the pixels beside it. In pictures of 24 samples that cost 0.44 % of the light.
+//! Long paths on software Vulkan, which ends the loops of neighbouring threads together after 65,535 rounds and reports
+//! nothing: then a pixel depends on the pixels beside it. In pictures of 24 samples that cost 0.44 % of the light.
 
 use crate::support::device::gpu;
 use crate::support::drawing::finish;
@@ -11,8 +11,8 @@ const CORNERS: [[u32; 2]; 4] = [[16, 24], [40, 20], [20, 44], [44, 40]];
 /// Side of a part, pixels.
 const SIDE: u32 = 8;
 
-/// Samples a pixel. One in eleven to fifty was wrong where threads were run in step, so that of 60 at least one is, with a
-/// chance of 0.7 and more for each of the presets.
+/// Samples a pixel. One in eleven to fifty was wrong where threads were run in step, so that of 60 at least one is,
+/// with a chance of 0.7 and more for each of the presets.
 const SAMPLES: u32 = 16;
 
 /// Presets whose paths need the most rounds: many scatterings in crowded terry, and few among long blades.

@@ -1,5 +1,5 @@
-//! Every pipeline that presets ask for can be translated for all interfaces that users have, Vulkan, Metal, Direct3D and
-//! OpenGL ES, as wgpu translates it there, and keeps to the limits of the adapters that the program takes.
+//! Every pipeline that presets ask for can be translated for all interfaces that users have, Vulkan, Metal, Direct3D
+//! and OpenGL ES, as wgpu translates it there, and keeps to the limits of the adapters that the program takes.
 
 use std::io::Write as _;
 use std::process::{Command, Stdio};

@@ -130,35 +130,53 @@ fn each_fault_has_its_place_value_and_what_is_allowed() {
         ("[pile]\nlayers = 2.0", "3:10 pile.layers | pile.layers is 2.0, allowed is a whole number from 1 to 64"),
         ("[pile]\ntilt=200", "3:6 pile.tilt | pile.tilt is 200, allowed is 0 to 180 °"),
         ("[pile]\ntilt = -1e400", "3:8 pile.tilt | pile.tilt is -1e400, allowed is 0 to 180 °"),
-        ("[pile]\nkind = 'x'", "3:8 pile.kind | pile.kind is 'x', allowed is \"terry\", \"cut\", \"twisted\", \"fur\" or \"grass\""),
+        ("[pile]\nkind = 'x'", "3:8 pile.kind | pile.kind is 'x', allowed is \"terry\", \"cut\", \"twisted\", \"fur\" \
+            or \"grass\""),
         ("[view]\nexposure = nan", "3:12 view.exposure | view.exposure is nan, allowed is -16 to 16 EV"),
         ("[view]\nexposure = -inf", "3:12 view.exposure | view.exposure is -inf, allowed is -16 to 16 EV"),
         ("[skeleton]\nvisible = 1", "3:11 skeleton.visible | skeleton.visible is 1, allowed is true or false"),
         ("[chart]\ncolour = '#12345'", "3:10 chart.colour | chart.colour is '#12345', allowed is \"#rrggbb\""),
         ("[chart]\nimage = 3", "3:9 chart.image | chart.image is 3, allowed is text in quotes"),
         ("pile = 3", "2:8 pile | pile is 3, allowed is a table of kind, "),
-        ("[turbulence]\nseed = 4294967296", "3:8 turbulence.seed | turbulence.seed is 4294967296, allowed is a whole number from 0 to 4294967295"),
-        ("[turbulence]\nseed = -1", "3:8 turbulence.seed | turbulence.seed is -1, allowed is a whole number from 0 to 4294967295"),
-        ("light.sun = [{ elevation = 5 }, { elevation = 91 }]", "2:47 light.sun[1].elevation | light.sun[1].elevation is 91, allowed is -90 to 90 °"),
-        ("[[view.cameras]]\ntarget = [0, 1]", "3:10 view.cameras[0].target | view.cameras[0].target is [0, 1], allowed is a list of 3 numbers"),
-        ("[[view.cameras]]\ntarget = [0, 1, inf]", "3:17 view.cameras[0].target[2] | view.cameras[0].target[2] is inf, allowed is a number"),
-        ("[[view.cameras]]\ntarget = [0, 1, 2e6]", "3:17 view.cameras[0].target[2] | view.cameras[0].target[2] is 2000000, allowed is -1000000 to 1000000 mm"),
-        ("[[view.cameras]]\n[[view.cameras]]\nname = 'default'", "4:8 view.cameras[1].name | view.cameras[1].name is \"default\", allowed is a name that no other camera has"),
-        ("[length]\nmap = 'lut'\n[[length.table]]\ndensity = -3", "5:11 length.table[0].density | length.table[0].density is -3, allowed is 0 to 1000000 /mm"),
-        ("[length]\nmap = 'lut'\n[[length.table]]\nexponent = 0.5", "5:12 length.table[0].exponent | length.table[0].exponent is 0.5, allowed is 1 to 500"),
-        ("[length]\ncurve = [[0, 0], [1, 1], [0.5, 1]]", "3:26 length.curve[2] | length.curve[2] is [0.5, 1], allowed is [brightness, share], each 0 to 1, brightness rising"),
-        ("[weave]\npattern = [\n  [7, 0],\n  [0, 5],\n]", "5:7 weave.pattern[1][1] | weave.pattern[1][1] is 5, allowed is 0 (weft over), 1 (warp over), 7 (loop on the front), 8 (loop on the back) or 9 (loops on both)"),
-        ("[weave]\npattern = [[7, 0], [0]]", "3:11 weave.pattern | weave.pattern: row 1 of the pattern has 1 cells, but row 0 has 2"),
-        ("[weave]\npattern = []", "3:11 weave.pattern | weave.pattern: the pattern has 0 rows of 0 cells, allowed are 1 to 512 of each"),
-        ("[weave]\npattern = 7", "3:11 weave.pattern | weave.pattern is 7, allowed is a list of rows of equal length, each cell 0 (weft over), "),
-        ("[weave]\nback='pattern'\npattern = '''\n7 0'''", "4:11 weave.pattern | weave.pattern is ''' …, allowed is a list of rows of equal length, each cell 0 (weft over), "),
+        ("[turbulence]\nseed = 4294967296", "3:8 turbulence.seed | turbulence.seed is 4294967296, allowed is a whole \
+            number from 0 to 4294967295"),
+        ("[turbulence]\nseed = -1", "3:8 turbulence.seed | turbulence.seed is -1, allowed is a whole number from 0 to \
+            4294967295"),
+        ("light.sun = [{ elevation = 5 }, { elevation = 91 }]", "2:47 light.sun[1].elevation | light.sun[1].elevation \
+            is 91, allowed is -90 to 90 °"),
+        ("[[view.cameras]]\ntarget = [0, 1]", "3:10 view.cameras[0].target | view.cameras[0].target is [0, 1], \
+            allowed is a list of 3 numbers"),
+        ("[[view.cameras]]\ntarget = [0, 1, inf]", "3:17 view.cameras[0].target[2] | view.cameras[0].target[2] is \
+            inf, allowed is a number"),
+        ("[[view.cameras]]\ntarget = [0, 1, 2e6]", "3:17 view.cameras[0].target[2] | view.cameras[0].target[2] is \
+            2000000, allowed is -1000000 to 1000000 mm"),
+        ("[[view.cameras]]\n[[view.cameras]]\nname = 'default'", "4:8 view.cameras[1].name | view.cameras[1].name is \
+            \"default\", allowed is a name that no other camera has"),
+        ("[length]\nmap = 'lut'\n[[length.table]]\ndensity = -3", "5:11 length.table[0].density | \
+            length.table[0].density is -3, allowed is 0 to 1000000 /mm"),
+        ("[length]\nmap = 'lut'\n[[length.table]]\nexponent = 0.5", "5:12 length.table[0].exponent | \
+            length.table[0].exponent is 0.5, allowed is 1 to 500"),
+        ("[length]\ncurve = [[0, 0], [1, 1], [0.5, 1]]", "3:26 length.curve[2] | length.curve[2] is [0.5, 1], allowed \
+            is [brightness, share], each 0 to 1, brightness rising"),
+        ("[weave]\npattern = [\n  [7, 0],\n  [0, 5],\n]", "5:7 weave.pattern[1][1] | weave.pattern[1][1] is 5, \
+            allowed is 0 (weft over), 1 (warp over), 7 (loop on the front), 8 (loop on the back) or 9 (loops on both)"),
+        ("[weave]\npattern = [[7, 0], [0]]", "3:11 weave.pattern | weave.pattern: row 1 of the pattern has 1 cells, \
+            but row 0 has 2"),
+        ("[weave]\npattern = []", "3:11 weave.pattern | weave.pattern: the pattern has 0 rows of 0 cells, allowed are \
+            1 to 512 of each"),
+        ("[weave]\npattern = 7", "3:11 weave.pattern | weave.pattern is 7, allowed is a list of rows of equal length, \
+            each cell 0 (weft over), "),
+        ("[weave]\nback='pattern'\npattern = '''\n7 0'''", "4:11 weave.pattern | weave.pattern is ''' …, allowed is a \
+            list of rows of equal length, each cell 0 (weft over), "),
         // Both are in range, but not together; the fault stands where the field is written.
         ("[length]\nmax = 2\nmin = 3", "4:7 length.min | length.min is 3, allowed is at most length.max, 2"),
         ("[length]\nmin = 9", "3:7 length.min | length.min is 9, allowed is at most length.max, 3.5"),
-        ("[length]\nvalue = 90\n[pile]\nmax_length = 100", "5:14 pile.max_length | pile.max_length is 100, allowed is a length with which loops reach at most 60 cells"),
+        ("[length]\nvalue = 90\n[pile]\nmax_length = 100", "5:14 pile.max_length | pile.max_length is 100, allowed is \
+            a length with which loops reach at most 60 cells"),
         // Not written at all: the fault stands at the nearest table that is.
         ("[length]\nvalue = 90\n[pile]\nwarn = 1", "5:1 pile.warn | pile.warn is not a field"),
-        ("[length]\nmap = 'lut'", "2:1 length.table | length.table is empty, allowed is at least one row when length.map is \"lut\""),
+        ("[length]\nmap = 'lut'", "2:1 length.table | length.table is empty, allowed is at least one row when \
+            length.map is \"lut\""),
     ];
     for (text, expected) in cases {
         let text = format!("format = 1\n{text}");
@@ -187,11 +205,14 @@ fn columns_count_characters_not_bytes() {
 fn unknown_fields_are_refused_with_the_likely_name() {
     #[rustfmt::skip]
     let cases = [
-        ("[pile]\ntlit = 3", "3:1 pile.tlit | pile.tlit is not a field; did you mean pile.tilt? Fields of pile are kind, "),
+        ("[pile]\ntlit = 3", "3:1 pile.tlit | pile.tlit is not a field; did you mean pile.tilt? Fields of pile are \
+            kind, "),
         ("[pile]\nseed = 3", "3:1 pile.seed | pile.seed is not a field; did you mean turbulence.seed? "),
-        ("[pille]", "2:2 pille | pille is not a field; did you mean pile? Fields of a preset are sheet, weave, chart, "),
+        ("[pille]", "2:2 pille | pille is not a field; did you mean pile? Fields of a preset are sheet, weave, chart, \
+            "),
         ("[weave]\nqqqqqq = 3", "3:1 weave.qqqqqq | weave.qqqqqq is not a field. Fields of weave are back, pattern"),
-        ("[[light.sun]]\nheight = 3", "3:1 light.sun[0].height | light.sun[0].height is not a field; did you mean skeleton.height? "),
+        ("[[light.sun]]\nheight = 3", "3:1 light.sun[0].height | light.sun[0].height is not a field; did you mean \
+            skeleton.height? "),
         ("[chart]\npixels = 3", "3:1 chart.pixels | chart.pixels is not a field"),
     ];
     for (text, expected) in cases {
@@ -218,7 +239,8 @@ fn fields_of_earlier_programs_are_read_and_ignored_with_a_word() {
     assert_eq!(
         notes,
         [
-            "3:18: quality.traced_bounces is ignored: whether bounces are estimated is up to the view, not to the design",
+            "3:18: quality.traced_bounces is ignored: whether bounces are estimated is up to the view, not to the \
+             design",
             "5:18: quality.cached_shadows is ignored: whether shadows are shared is up to the view, not to the design"
         ]
     );
@@ -425,7 +447,8 @@ fn set_refuses_what_a_file_may_not_say() {
         ("weave.pattern", "[[7, 0], [0]]", "row 1 of the pattern has 1 cells, but row 0 has 2"),
         ("light.sun[1].elevation", "1", "there is no light.sun[1]: light.sun has 1 elements, counted from 0"),
         ("light.sun.elevation", "1", "light.sun is a list, write light.sun[0].elevation"),
-        ("light.sun", "[{ elevaton = 1 }]", "light.sun[0].elevaton is not a field; did you mean light.sun[0].elevation?"),
+        ("light.sun", "[{ elevaton = 1 }]", "light.sun[0].elevaton is not a field; did you mean \
+            light.sun[0].elevation?"),
         ("length.table[0].length", "1", "length.table is empty"),
         ("pile.tilt[0]", "1", "pile.tilt is not a list"),
         ("pile.tilt.x", "1", "pile.tilt has no fields"),
@@ -489,7 +512,9 @@ fn reference() -> String {
         panic!("a design is a table");
     };
     let mut text = String::from(
-        "\nA preset begins with `format = 1`. Every field may be left out and then has its default; lengths are in mm, angles\nin degrees, colours `\"#rrggbb\"` (sRGB). `--set` names fields by the same paths, as in `--set light.sun[0].elevation=30`.\n",
+        "\nA preset begins with `format = 1`. Every field may be left out and then has its default; lengths are in \
+         mm, angles\nin degrees, colours `\"#rrggbb\"` (sRGB). `--set` names fields by the same paths, as in `--set \
+             light.sun[0].elevation=30`.\n",
     );
     for section in &sections {
         let Shape::Table(fields) = &section.shape else {
@@ -519,7 +544,8 @@ fn reference_table(
 ) {
     let _ = write!(
         text,
-        "\n### `{heading}`\n\n{what}\n\n| field | default | allowed | unit | meaning |\n| --- | --- | --- | --- | --- |\n"
+        "\n### `{heading}`\n\n{what}\n\n| field | default | allowed | unit | meaning |\n| --- | --- | --- | --- | --- \
+         |\n"
     );
     let mut tables = Vec::new();
     for field in fields {

@@ -31,8 +31,8 @@ fn case(random: &mut Random, twist: f32, distance: f32, beside: f32) -> Case {
     }
 }
 
-/// Whether the roots are the same up to what moving the ray by `tolerance` mm does; the patch is some mm in size, so that
-/// u and v move by as much, and t by as much over the cosine at which the ray meets the patch.
+/// Whether the roots are the same up to what moving the ray by `tolerance` mm does; the patch is some mm in size, so
+/// that u and v move by as much, and t by as much over the cosine at which the ray meets the patch.
 fn are_roots_of(case: &Case, found: &[Root], tolerance: f64) -> bool {
     let (a, b) = case.direction.as_dvec3().any_orthonormal_pair();
     let mut shifts = vec![DVec3::ZERO];

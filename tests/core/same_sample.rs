@@ -1,5 +1,6 @@
-//! Same sample, same ray: sample k of a pixel is the same in the reference and on the GPU, for the presets that are unlike each other and every
-//! method without free paths, to the digits that f32 has (bounces = 1). `cpu` holds the processor to the same.
+//! Same sample, same ray: sample k of a pixel is the same in the reference and on the GPU, for the presets that are
+//! unlike each other and every method without free paths, to the digits that f32 has (bounces = 1). `cpu` holds the
+//! processor to the same.
 
 use std::path::PathBuf;
 
@@ -50,8 +51,8 @@ pub fn compare_presets(
                 let expected = on_reference(&request);
                 let drawn = finish(backend, &request);
                 let what = format!("{name}, {}, {count} samples", method.name());
-                // Flips of `layered`, one in several ten thousand pixels, are not all at edges that a nudge of the camera's
-                // ray finds: one that was looked into is at an edge of the shadow ray.
+                // Flips of `layered`, one in several ten thousand pixels, are not all at edges that a nudge of the
+                // camera's ray finds: one that was looked into is at an edge of the shadow ray.
                 let traced = method != Method::Layered;
                 let agreement = if is_bent && backend.kind() == BackendKind::Gpu {
                     nearly_same(&expected, &drawn, 0.01)
@@ -90,10 +91,10 @@ fn a_part_of_unlike_presets_is_the_same_on_both_sides() {
 
 #[test]
 fn the_hardware_filter_adds_little() {
-    // Sampler weights have 8 bits: a density is off by up to 1/512 of a step from voxel to voxel, in u and in v. The picture
-    // with f32 weights draws the same samples, so that nothing else differs; but where one event is taken for the next,
-    // a pixel of one sample changes altogether: velvet, with the finest pile, has 0.27 by `single`, all others 0.2 or less.
-    // Such errors have no preferred sign: the mean stays (0.005 at most).
+    // Sampler weights have 8 bits: a density is off by up to 1/512 of a step from voxel to voxel, in u and in v. The
+    // picture with f32 weights draws the same samples, so that nothing else differs; but where one event is taken for
+    // the next, a pixel of one sample changes altogether: velvet, with the finest pile, has 0.27 by `single`, all
+    // others 0.2 or less. Such errors have no preferred sign: the mean stays (0.005 at most).
     let (mut hardware, mut f32_filter) = (gpu(), exact_gpu());
     let (mut worst, mut worst_shift) = (0.0_f64, 0.0_f64);
     for (name, mut design) in named(unlike_preset_paths()) {

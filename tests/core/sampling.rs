@@ -86,7 +86,8 @@ fn scrambles_take_turns_by_runs() {
 
 #[test]
 fn blocks_of_every_scramble_are_stratified() {
-    // How many bits of a pair are not stratified (its t value): degree − 1 of the polynomials, for the dimensions 2 and 3.
+    // How many bits of a pair are not stratified (its t value): degree − 1 of the polynomials, for the dimensions 2 and
+    // 3.
     let quality = |a: usize, b: usize| [0, 0, 1, 2][a] + [0, 0, 1, 2][b];
     let sets = [
         Set::Film,

@@ -1,5 +1,5 @@
-//! Every shader program parses and validates, for every pair of features and for all that the presets ask for, and errors
-//! are given by file and line.
+//! Every shader program parses and validates, for every pair of features and for all that the presets ask for, and
+//! errors are given by file and line.
 
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
@@ -168,8 +168,8 @@ fn pairwise_keys() -> Vec<PipelineKey> {
     covering_array(&CHOICES).iter().map(key_of).collect()
 }
 
-/// The keys of all presets, as they are drawn, with shadows cached where a window asks for it, and with all that a picture
-/// file may hold; each once.
+/// The keys of all presets, as they are drawn, with shadows cached where a window asks for it, and with all that a
+/// picture file may hold; each once.
 pub fn preset_keys() -> Vec<PipelineKey> {
     let mut keys = Vec::new();
     let mut seen = HashSet::new();
@@ -279,8 +279,8 @@ fn functions(module: &naga::Module) -> impl Iterator<Item = (&str, &Function)> {
         .map(|function| (function.name.as_deref().unwrap_or("entry point"), function))
 }
 
-/// Whether what an expression is a part of lies in a thread's own registers or scratch memory, rather than in a buffer, a
-/// uniform or a workgroup's memory, where any element is as near as the first.
+/// Whether what an expression is a part of lies in a thread's own registers or scratch memory, rather than in a buffer,
+/// a uniform or a workgroup's memory, where any element is as near as the first.
 fn is_threads_own(module: &naga::Module, function: &Function, of: Handle<Expression>) -> bool {
     match function.expressions[of] {
         Expression::Access { base, .. } | Expression::AccessIndex { base, .. } => {
@@ -353,8 +353,8 @@ fn no_value_in_registers_is_indexed_by_a_variable() {
 
 #[test]
 fn variables_of_the_tracing_program_are_few() {
-    // What a thread holds at most if nothing is optimised: a hint, where drivers tell nothing. Arrays, which would be in
-    // slow memory, there are none of.
+    // What a thread holds at most if nothing is optimised: a hint, where drivers tell nothing. Arrays, which would be
+    // in slow memory, there are none of.
     let module = parse(TRACE);
     let mut layouter = naga::proc::Layouter::default();
     layouter.update(module.to_ctx()).expect("layout");

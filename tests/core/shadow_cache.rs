@@ -175,8 +175,8 @@ fn known_shadows_save_rays_and_leave_the_mean() {
         let error = metrics::rel_rmse(&shared, &plain).unwrap();
         eprintln!("{name}: {share:.3} cached, mean {brightness:+.4}, relRMSE {error:.3}");
         assert!(share > 0.4, "{some:?}");
-        // Means of a texel are made by the points that ask it: 0.0003 to 0.0025 here. Means that stand in for those of bounced
-        // light, or these for them, are 0.012 off and more.
+        // Means of a texel are made by the points that ask it: 0.0003 to 0.0025 here. Means that stand in for those of
+        // bounced light, or these for them, are 0.012 off and more.
         assert!(brightness.abs() < 0.008, "{name}: {brightness}");
         // Blurred over a few pixels: another picture, but no other cloth.
         assert!((0.005..0.25).contains(&error), "{name}: {error}");
@@ -297,8 +297,8 @@ fn the_gpu_shares_the_same_shadows() {
         assert!((a / b - 1.0).abs() < 0.01, "{name}: {a} {b}");
         let error = metrics::rel_rmse(&drawn, &expected).unwrap();
         eprintln!("{name}: relRMSE {error:.5}");
-        // A pixel that turns on rounding is another ray in a texel's mean of hundreds, and in a picture of six samples: 0.0005
-        // and 0.0012. Direct shadows in the place of those of bounced light make 0.007 of it.
+        // A pixel that turns on rounding is another ray in a texel's mean of hundreds, and in a picture of six samples:
+        // 0.0005 and 0.0012. Direct shadows in the place of those of bounced light make 0.007 of it.
         assert!(error < 0.003, "{name}: {error}");
         let plain = towel(method, bounces, 6, 0);
         let other = finish(&mut CpuBackend::default(), &plain);

@@ -87,8 +87,8 @@ fn tiles_of_background_are_what_tracing_makes_of_them() {
     let (mut gpu, mut cpu) = backends();
     for backend in [&mut gpu as &mut dyn Backend, &mut cpu] {
         let name = backend.kind().name();
-        // White adds up without rounding: same bits. Other sums are rounded with every sample, at most 5 times by half of
-        // 2⁻²³ of them.
+        // White adds up without rounding: same bits. Other sums are rounded with every sample, at most 5 times by half
+        // of 2⁻²³ of them.
         for (background, tolerance) in [
             (Colour::WHITE, 0.0),
             (Colour([77, 130, 201]), 5.0 * 2.0_f32.powi(-24)),

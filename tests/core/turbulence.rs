@@ -127,9 +127,9 @@ fn the_field_is_the_crates_noise_to_the_bit() {
 
 #[test]
 fn neighbours_differ_little_before_and_after_filters() {
-    // Largest slope of one octave: 3.9 for the crate's Perlin noise (MODEL.md §3), twice that when folded; for its simplex
-    // noise 4.11, the maximum over a triangle of the slopes of its three surflets, each with its worst gradient.
-    // Worley noise jumps at cell borders and is exempt.
+    // Largest slope of one octave: 3.9 for the crate's Perlin noise (MODEL.md §3), twice that when folded; for its
+    // simplex noise 4.11, the maximum over a triangle of the slopes of its three surflets, each with its worst
+    // gradient. Worley noise jumps at cell borders and is exempt.
     for (kind, slope) in [
         (NoiseKind::Fbm, 3.9),
         (NoiseKind::Turbulence, 7.8),
@@ -187,8 +187,9 @@ fn filters_smooth_but_keep_the_deviation() {
                 .into_iter()
                 .zip(field.mean_and_deviation());
             for ([mean, deviation], [new_mean, new_deviation]) in pairs {
-                // The clamp at ±1 cuts what a filter made Gaussian: at most 3 % for the widest field here (Worley noise,
-                // deviation 0.5). The mean moves by what edges weigh more than the middle: a radius in 200 cells.
+                // The clamp at ±1 cuts what a filter made Gaussian: at most 3 % for the widest field here (Worley
+                // noise, deviation 0.5). The mean moves by what edges weigh more than the middle: a radius in 200
+                // cells.
                 assert!(
                     (new_deviation / deviation - 1.0).abs() < 0.04,
                     "{kind:?}: {new_deviation} for {deviation}"

@@ -46,7 +46,8 @@ fn every_volume_has_its_voxels() {
     );
 }
 
-/// The loop is an arch: solid legs at both sides, a solid top between them, a hole under the arch, air above and around.
+/// The loop is an arch: solid legs at both sides, a solid top between them, a hole under the arch, air above and
+/// around.
 #[test]
 fn terry_is_an_arch() {
     let (pile, volumes) = terry();
@@ -235,7 +236,8 @@ fn twisted_pile_is_a_strand() {
         (above / below - 1.0).abs() < 0.15,
         "{below} below, {above} above"
     );
-    // Wherever it is cut through it is solid somewhere, and stands on one leg: two in the volume would be twice as much.
+    // Wherever it is cut through it is solid somewhere, and stands on one leg: two in the volume would be twice as
+    // much.
     let solid = |b: u32| {
         let most = |layer| (0..pile.resolution).map(move |a| (layer, a));
         let all = (0..pile.layers).flat_map(most);

@@ -1,7 +1,8 @@
 //! Whether two sets of independent pictures are draws of the same random picture: tests of
 //! every pixel, of blocks and of the whole, and of the noise.
 //!
-//! One picture is the mean of some Owen samples; its variance is not that of independent samples, so it is estimated from
+//! One picture is the mean of some Owen samples; its variance is not that of independent samples, so it is estimated
+//! from
 //! [`REPEATS`] pictures with different seeds on each side (MODEL.md §10). All tests together refuse one right pair in
 //! a thousand (Šidák).
 
@@ -75,7 +76,7 @@ pub fn same_distribution(a: &[Picture], b: &[Picture]) -> Result<Power, String> 
             .map_err(|error| format!("{name}: {error}"))?;
         whole = test.detectable(block_limit);
     }
-    // The noise: the ratio of the summed variances. Its own deviation is told by a jackknife over pixels' shares, which
+    // The noise: the ratio of the summed variances. Its own deviation comes from a jackknife over pixels' shares, which
     // are far from equal.
     let ratio = (variances[0] / variances[1]).ln();
     let shares = (0..count).map(|pixel| {
@@ -144,8 +145,8 @@ impl Welch {
     }
 }
 
-/// The |t| with 30 degrees of freedom that is exceeded with this probability, by bisection on the distribution's closed form
-/// for even degrees of freedom (Abramowitz and Stegun 26.7.4).
+/// The |t| with 30 degrees of freedom that is exceeded with this probability, by bisection on the distribution's closed
+/// form for even degrees of freedom (Abramowitz and Stegun 26.7.4).
 fn student_quantile(two_sided: f64) -> f64 {
     const FREEDOM: f64 = 30.0;
     let outside = |t: f64| {

@@ -9,8 +9,8 @@ use renderer_core::image::Picture;
 use renderer_core::reference::{Scratch, Tracer};
 use renderer_core::render::RenderRequest;
 
-/// Differences up to this are rounding: a path is a few hundred f32 operations of relative error 6e-8 on lengths of some
-/// mm; a voxel of a dense loop (10/mm, 0.06 mm a voxel) turns 1e-5 mm into 1e-4 of a value near 1, and a mean of a
+/// Differences up to this are rounding: a path is a few hundred f32 operations of relative error 6e-8 on lengths of
+/// some mm; a voxel of a dense loop (10/mm, 0.06 mm a voxel) turns 1e-5 mm into 1e-4 of a value near 1, and a mean of a
 /// few loops into some times that.
 pub const ROUNDING: f32 = 1e-3;
 
@@ -62,9 +62,10 @@ pub fn same_samples(
 /// Most pixels of `layered` that may turn on rounding, a few in a thousand.
 const MOST_LAYERED_FLIPS: usize = 4;
 
-/// Whether a picture of one sample holds the reference's samples. By `layered` a shadow ray begins on a layer's patch, which
-/// it may graze: whether it meets the patch again, twice or not at all, turns on a last digit across the patch, and a nudge
-/// of the camera's ray moves points along it only. So flips of `layered` are counted, those of `single` traced to an edge.
+/// Whether a picture of one sample holds the reference's samples. By `layered` a shadow ray begins on a layer's patch,
+/// which it may graze: whether it meets the patch again, twice or not at all, turns on a last digit across the patch,
+/// and a nudge of the camera's ray moves points along it only. So flips of `layered` are counted, those of `single`
+/// traced to an edge.
 pub fn same_as_reference(
     request: &RenderRequest,
     expected: &Picture,

@@ -138,10 +138,10 @@ impl Program {
         let mut process = Process(program);
         let window = wait("the window", || {
             if let Some(ended) = process.0.try_wait().expect("a status") {
-                let mut told = String::new();
+                let mut message = String::new();
                 let stderr = process.0.stderr.as_mut().expect("piped");
-                stderr.read_to_string(&mut told).expect("text");
-                panic!("the program ended early: {ended:?}\n{told}");
+                stderr.read_to_string(&mut message).expect("text");
+                panic!("the program ended early: {ended:?}\n{message}");
             }
             // With the document's name: the preset is read.
             display.window(title)
@@ -166,8 +166,8 @@ impl Program {
         });
     }
 
-    /// Waits until it has dealt with what keys and pointer did: for a moment it computes next to nothing. What follows sooner
-    /// may come in the same frame, and a busy machine shows few.
+    /// Waits until it has dealt with what keys and pointer did: for a moment it computes next to nothing. What follows
+    /// sooner may come in the same frame, and a busy machine shows few.
     pub fn settle(&self) {
         wait("a moment's rest", || {
             let before = cpu_seconds(self.process.0.id());

@@ -1,5 +1,5 @@
-//! Drops a file on a window of an X display, as a file manager does when its user lets go of an icon there: the source's
-//! side of the XDND protocol, version 5 (freedesktop.org), for one file and one offered type.
+//! Drops a file on a window of an X display, as a file manager does when its user lets go of an icon there: the
+//! source's side of the XDND protocol, version 5 (freedesktop.org), for one file and one offered type.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -141,8 +141,8 @@ impl Source<'_> {
         };
         self.connection
             .send_event(false, request.requestor, EventMask::NO_EVENT, answer)
-            .expect("told");
-        self.connection.flush().expect("told");
+            .expect("the event is sent");
+        self.connection.flush().expect("the event is sent");
     }
 }
 

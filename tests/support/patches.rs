@@ -80,8 +80,8 @@ impl Case {
         BilinearPatch::from_corners([m - g, m + g, m + c + e, m + c - e])
     }
 
-    /// The same ray in f64, relative to the patch's cell. Its direction has unit length in f64 too, which moves points on
-    /// it by no more than a rounding of t.
+    /// The same ray in f64, relative to the patch's cell. Its direction has unit length in f64 too, which moves points
+    /// on it by no more than a rounding of t.
     pub fn ray(&self) -> Ray {
         let cell = DVec2::new(f64::from(self.cell[0]), f64::from(self.cell[1]));
         Ray {

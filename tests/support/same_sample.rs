@@ -31,8 +31,9 @@ pub struct Agreement {
 }
 
 /// Whether `picture` holds the same samples as the reference draws for `request`: all numbers finite, all pixels but
-/// `most_flips` within [`SAME`], those at most [`SAME_REL_RMSE`] apart altogether, and, if they are to be `traced`, each of the rest such that rays
-/// nudged by next to nothing, and so on one side of an edge or the other, draw what `picture` holds.
+/// `most_flips` within [`SAME`], those at most [`SAME_REL_RMSE`] apart altogether, and, if they are to be `traced`,
+/// each of the rest such that rays nudged by next to nothing, and so on one side of an edge or the other, draw what
+/// `picture` holds.
 pub fn same_picture(
     request: &RenderRequest,
     expected: &Picture,
@@ -91,8 +92,9 @@ pub fn same_picture(
     Ok(agreement)
 }
 
-/// How much more than in terry rounding does: places in longer loops have fewer digits behind the point, and in denser yarn each
-/// of them counts for more. 10/mm and 3 mm have 0.3, the densest terry among the presets 1.3, fur and grass 3 to 5.
+/// How much more than in terry rounding does: places in longer loops have fewer digits behind the point, and in denser
+/// yarn each of them counts for more. 10/mm and 3 mm have 0.3, the densest terry among the presets 1.3, fur and grass 3
+/// to 5.
 fn rounding_of(scene: &Scene) -> f64 {
     let densities = scene
         .pile

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use super::scenes::{preset_path, preset_paths};
 
-/// Presets that ask nothing of a renderer that another does not: the same cloth in another light, another bend, another kind of
-/// pile in the same volumes. Short tests draw them all the same.
+/// Presets that ask nothing of a renderer that another does not: the same cloth in another light, another bend, another
+/// kind of pile in the same volumes. Short tests draw them all the same.
 const LIKE_ANOTHER: [&str; 17] = [
     "draped-net",
     "endless-carpet",

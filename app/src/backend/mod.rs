@@ -1,7 +1,8 @@
 //! Chooses and makes the backend that the user or the machine asks for.
 //!
-//! `auto` takes the GPU where an adapter is hardware, and the processor otherwise: on software Vulkan the same picture takes
-//! several times as long as on the processor itself. The processor's backends need no Vulkan, not even its loader.
+//! `auto` takes the GPU where an adapter is hardware, and the processor otherwise: on software Vulkan the same picture
+//! takes several times as long as on the processor itself. The processor's backends need no Vulkan, not even its
+//! loader.
 
 mod processor;
 
@@ -51,8 +52,8 @@ pub fn resolve(choice: BackendChoice, adapters: &[AdapterSummary]) -> BackendKin
     }
 }
 
-/// Makes the backend. Adapters are looked for only where the choice depends on them. Where `auto` finds a GPU that does not
-/// start, it says so and takes the processor.
+/// Makes the backend. Adapters are looked for only where the choice depends on them. Where `auto` finds a GPU that does
+/// not start, it says so and takes the processor.
 ///
 /// # Errors
 /// When the GPU is asked for and there is none that can be used.

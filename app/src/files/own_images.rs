@@ -1,5 +1,5 @@
-//! Images that were painted here (charts and nap maps): each is a PNG of its own beside its preset, which alone uses it. An
-//! image that was imported is never written.
+//! Images that were painted here (charts and nap maps): each is a PNG of its own beside its preset, which alone uses
+//! it. An image that was imported is never written.
 //!
 //! While a design is edited, such an image has pixels and no path (`chart.image` is left out), so that every state of
 //! the history is whole in itself; the path appears in the file alone. The PNG says whose it is in a text chunk.

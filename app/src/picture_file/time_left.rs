@@ -1,5 +1,5 @@
-//! How much longer it takes, reported so that the number can be believed: it counts down with the clock and gives way to
-//! what is newly known only slowly.
+//! How much longer it takes, reported so that the number can be believed: it counts down with the clock and gives way
+//! to what is newly known only slowly.
 
 use std::time::Duration;
 

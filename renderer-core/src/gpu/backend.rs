@@ -370,10 +370,10 @@ const THREADS_IN_STEP: u32 = 8;
 
 /// How many rows of workgroups share out the threads of a dispatch, each thread working in one of them.
 ///
-/// Mesa's software Vulkan ends all loops of the threads that it runs in step after 65,535 rounds, whatever the loops are about,
-/// and reports nothing: paths then end inside the cloth as if they had left it. Where such threads part, the rounds of all of
-/// them add up. Eight paths of 64 scatterings in crowded terry need 32,000 in the mean and up to 100,000; one alone 6,000 and up
-/// to 50,000. So threads with long paths run alone.
+/// Mesa's software Vulkan ends all loops of the threads that it runs in step after 65,535 rounds, whatever the loops
+/// are about, and reports nothing: paths then end inside the cloth as if they had left it. Where such threads part, the
+/// rounds of all of them add up. Eight paths of 64 scatterings in crowded terry need 32,000 in the mean and up to
+/// 100,000; one alone 6,000 and up to 50,000. So threads with long paths run alone.
 fn rows_of_workgroups(context: &GpuContext, settings: &Settings) -> u32 {
     let bounces = settings.path_cutoff().unwrap_or(settings.bounces);
     if context.is_software() && bounces > MOST_BOUNCES_IN_STEP {

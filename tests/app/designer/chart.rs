@@ -597,7 +597,7 @@ fn broken_and_too_large_images_are_refused_and_the_old_chart_stays() {
     let good = std::fs::read(folder.path().join("logo.png")).unwrap();
     let large = image::RgbImage::new(8193, 2);
     large.save(folder.path().join("large.png")).unwrap();
-    for (name, bytes, told) in [
+    for (name, bytes, message) in [
         (
             "half.png",
             Some(&good[..good.len() / 2]),
@@ -627,7 +627,7 @@ fn broken_and_too_large_images_are_refused_and_the_old_chart_stays() {
         wait(&mut harness, name, |h| {
             h.query_by_label("Chart not opened").is_some()
         });
-        assert!(harness.query_by_label_contains(told).is_some(), "{name}");
+        assert!(harness.query_by_label_contains(message).is_some(), "{name}");
         assert_eq!(*design(&harness), before);
         click(&mut harness, "Dismiss: Chart not opened");
     }

@@ -20,7 +20,7 @@ use super::{choose, click, design, designer, rest, type_number, type_path, wait}
 
 type Refusal = fn() -> RenderError;
 
-/// Draws gray as a slow device does, a sample in 10 ms, and can be told never to begin or to refuse.
+/// Draws gray as a slow device does, a sample in 10 ms, and can be made never to begin or to refuse.
 struct Gray {
     samples: u32,
     wanted: u32,
@@ -89,7 +89,8 @@ fn with_gray(preset: Option<&Path>, refuses: Option<fn() -> RenderError>) -> Har
     with_backends(preset, refuses, false, &Arc::default())
 }
 
-/// As [`with_gray`]; what is exported by the GPU may also never begin because the GPU `compiles`. Every backend holds `alive`.
+/// As [`with_gray`]; what is exported by the GPU may also never begin because the GPU `compiles`. Every backend holds
+/// `alive`.
 fn with_backends(
     preset: Option<&Path>,
     refuses: Option<fn() -> RenderError>,

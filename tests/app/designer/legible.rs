@@ -248,10 +248,10 @@ fn what_is_cut_off_or_overlaps_is_seen() {
     harness.run_steps(2);
     let window = Rect::from_min_size(Pos2::ZERO, size);
     let faults = Drawn::of(&harness.output().shapes).faults(window);
-    let told = |part: &str| faults.iter().filter(|fault| fault.contains(part)).count();
-    assert_eq!(told("“first” and “second” overlap"), 1, "{faults:?}");
-    assert_eq!(told("“beyond the edge” at"), 1, "{faults:?}");
-    assert_eq!(told("is shortened"), 1, "{faults:?}");
+    let count_of = |part: &str| faults.iter().filter(|fault| fault.contains(part)).count();
+    assert_eq!(count_of("“first” and “second” overlap"), 1, "{faults:?}");
+    assert_eq!(count_of("“beyond the edge” at"), 1, "{faults:?}");
+    assert_eq!(count_of("is shortened"), 1, "{faults:?}");
     assert_eq!(faults.len(), 3, "{faults:?}");
 }
 

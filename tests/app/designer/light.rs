@@ -165,8 +165,13 @@ fn an_area_light_stands_beyond_any_cloth_it_is_added_to() {
     }
     click(&mut harness, "Add area light");
     type_number(&mut harness, "Distance", "20");
-    let told = "light.area[0].distance is 20, allowed is at least";
-    assert!(harness.query_all_by_label_contains(told).next().is_some());
+    let message = "light.area[0].distance is 20, allowed is at least";
+    assert!(
+        harness
+            .query_all_by_label_contains(message)
+            .next()
+            .is_some()
+    );
 }
 
 #[test]

@@ -1,5 +1,5 @@
-//! How the window looks: a picture of every panel and window, in both themes, held against the one that was looked at and
-//! found good.
+//! How the window looks: a picture of every panel and window, in both themes, held against the one that was looked at
+//! and found good.
 //!
 //! `UPDATE_SNAPSHOTS=true` writes the pictures anew, beside this file; then look at them. Pictures that differ leave
 //! `….new.png` and `….diff.png` there.
@@ -16,8 +16,9 @@ use towel_designer::designer::panels::Panels;
 use super::states::{self, Look};
 
 /// How far a pixel may be off. The measure is dify's, (Δ luminance)² of about 0.5 for a step of 1/255 in gray, so this
-/// is less than three such steps: two rasterisers may round a blended edge differently, by one step, and gamma makes two
-/// of it in the dark. No pixel may be off more. Any change of a colour of the theme that an eye sees is more than that.
+/// is less than three such steps: two rasterisers may round a blended edge differently, by one step, and gamma makes
+/// two of it in the dark. No pixel may be off more. Any change of a colour of the theme that an eye sees is more than
+/// that.
 fn options() -> SnapshotOptions {
     SnapshotOptions::new()
         .threshold(4.0)

@@ -163,10 +163,10 @@ fn the_height_map_follows_the_sliders_and_tells_the_cell_under_the_pointer() {
     let share = vec2(3.5 / 31.0, 1.0 - 1.5 / 40.0);
     harness.hover_at(map.min + share * map.size());
     harness.run_steps(40);
-    let told = "Warp 4 of 31, weft 2 of 40: 2.50 mm";
+    let message = "Warp 4 of 31, weft 2 of 40: 2.50 mm";
     assert!(
-        harness.query_by_label_contains(told).is_some(),
-        "the tooltip does not say {told:?}"
+        harness.query_by_label_contains(message).is_some(),
+        "the tooltip does not say {message:?}"
     );
 }
 
@@ -434,7 +434,7 @@ fn a_loop_that_cannot_be_drawn_is_told_and_tried_once() {
     wait(&mut harness, "the reason", |h| {
         let node = h.get_by_role_and_label(Role::Image, "One loop");
         node.value()
-            .is_some_and(|told| told.contains("out of order"))
+            .is_some_and(|message| message.contains("out of order"))
     });
     // Another try would come as soon as the scene of one loop is made.
     rest(&mut harness);
@@ -500,15 +500,15 @@ fn a_warning_stands_at_its_panel_by_path() {
     let mut harness = designer_of_size(None, vec2(1280.0, 2400.0));
     open_panel(&mut harness, "Turbulence");
     open_panel(&mut harness, "Pile");
-    let told = "the highest turbulence octave has";
-    assert_eq!(harness.query_all_by_label_contains(told).count(), 0);
+    let message = "the highest turbulence octave has";
+    assert_eq!(harness.query_all_by_label_contains(message).count(), 0);
     type_number(&mut harness, "Clumps per mm", "4");
     wait(&mut harness, "the warning", |h| {
-        h.query_all_by_label_contains(told).count() > 0
+        h.query_all_by_label_contains(message).count() > 0
     });
     let panel = harness.get_by_role_and_label(Role::DisclosureTriangle, "Turbulence");
     let next = harness.get_by_role_and_label(Role::DisclosureTriangle, "Skeleton");
-    let warning = harness.get_by_label_contains(told).rect();
+    let warning = harness.get_by_label_contains(message).rect();
     assert!(
         warning.top() > panel.rect().bottom() && warning.bottom() < next.rect().top(),
         "it stands elsewhere: {warning:?}"

@@ -1,5 +1,5 @@
-//! The panels: painted patterns, typed and dragged numbers, menus, lists; each edit one step of the history, each number of a
-//! design within reach, and faults told where they belong.
+//! The panels: painted patterns, typed and dragged numbers, menus, lists; each edit one step of the history, each
+//! number of a design within reach, and faults reported where they belong.
 
 use renderer_core::design::nap_edit;
 
@@ -370,8 +370,8 @@ fn a_fault_is_shown_at_its_panel_and_neither_drawn_nor_saved() {
     assert_eq!(design(&harness).length.min, 9.0);
     assert_eq!(requested(&harness).length.min, Design::default().length.min);
     // At the panel and over the picture.
-    let told = harness.query_all_by_label_contains("length.min is 9, allowed is at most");
-    assert_eq!(told.count(), 2);
+    let message = harness.query_all_by_label_contains("length.min is 9, allowed is at most");
+    assert_eq!(message.count(), 2);
 
     harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
     harness.run_steps(3);

@@ -1,5 +1,5 @@
-//! Rendering for the window: failures of backends are answered and told, nothing runs when nothing changes, scenes that
-//! nobody waits for are given up.
+//! Rendering for the window: failures of backends are answered and reported, nothing runs when nothing changes, scenes
+//! that nobody waits for are given up.
 
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
@@ -298,7 +298,7 @@ fn the_processor_draws_while_the_gpu_compiles() {
     assert_eq!(drew()[0], 0);
     script.compiles.store(false, Ordering::SeqCst);
     wait(&mut harness, "the GPU's picture", has_whole_picture);
-    // The picture was there all the time: nothing is told of the change.
+    // The picture was there all the time: nothing is reported of the change.
     assert!(drew()[0] > 0 && script.made() == [1, 1]);
     assert_eq!(shown_by(&harness), BY_GPU);
     let by_processor = drew()[1];
@@ -602,15 +602,15 @@ fn an_edit_gives_up_a_scene_in_the_making() {
     let script = Arc::new(Script::default());
     let mut harness = scripted(&script);
     wait(&mut harness, "the picture", has_whole_picture);
-    // A scene that takes longer than the time within which it is finished anyway: four million cells do on most machines,
-    // more of them on any.
+    // A scene that takes longer than the time within which it is finished anyway: four million cells do on most
+    // machines, more of them on any.
     let mut sides = [2000, 4000, 8000].into_iter();
     let is_any = sides.any(|side| is_given_up(&mut harness, &script, side));
     assert!(is_any, "64 million loops were finished for the sake of it");
 }
 
-/// Asks for a cloth of so many yarns both ways and, while its scene is being made, for a small one. Whether that was shown
-/// without the large one being drawn, as it is where making it to its end takes a moment only.
+/// Asks for a cloth of so many yarns both ways and, while its scene is being made, for a small one. Whether that was
+/// shown without the large one being drawn, as it is where making it to its end takes a moment only.
 fn is_given_up(harness: &mut Harness<'_, App>, script: &Script, side: u32) -> bool {
     let begun_before = script.begun.lock().unwrap().len();
     // Both at once, so that nothing but the scene of both is made.

@@ -1,5 +1,5 @@
-//! The window in states that together show all it has, for the tests of how it looks: every panel with every row, menus,
-//! windows, questions and messages, in whichever theme, scale and size.
+//! The window in states that together show all it has, for the tests of how it looks: every panel with every row,
+//! menus, windows, questions and messages, in whichever theme, scale and size.
 
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Theme, Vec2, vec2};

@@ -466,7 +466,8 @@ fn cloth_without_end_is_made_where_one_looks() {
     harness.hover_at(middle);
     harness.run_steps(4);
     let readout = *harness.state().viewport().readout().expect("a readout");
-    // The camera looks at the middle of the cloth's plane, and its ray goes through that of the pile a little before it.
+    // The camera looks at the middle of the cloth's plane, and its ray goes through that of the pile a little before
+    // it.
     assert!((4980..5020).contains(&readout.cell[0]) && (4980..5020).contains(&readout.cell[1]));
     assert!(readout.loop_mm.is_some());
 

@@ -1,7 +1,8 @@
 //! `bench`: what a preset costs, and what it is worth: tables, plots, and what follows from them.
 //!
 //! ```text
-//! errors         methods × samplers × shadows against a converged truth, and one method without each optimisation and up to
+//! errors         methods × samplers × shadows against a converged truth, and one method without each optimisation and
+//! up to
 //!                error targets
 //! optimisations  one piece of work with each optimisation and without it, in turns
 //! backends       the same picture by each backend

@@ -223,7 +223,8 @@ fn to_errors(conditions: &Conditions, findings: &Findings) -> String {
     }
     let optimisation = Optimisation::ConvergedTiles;
     let mut text = format!(
-        "\n| error target | time with `{optimisation}` | without | without : with | its error with | without | most samples \
+        "\n| error target | time with `{optimisation}` | without | without : with | its error with | without | most \
+         samples \
             with | without |\n\
          | --- | --- | --- | --- | --- | --- | --- | --- |\n",
     );

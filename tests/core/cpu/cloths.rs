@@ -52,9 +52,9 @@ fn every_way_of_being_different_draws_the_same_samples() {
     }
 }
 
-/// Differences together, as they meet in no preset. Most of them that may have a pixel which no nudge of the camera's ray
-/// explains: shadow rays have edges of their own, level rays along a yarn hardly leave it, and where a patch comes to a
-/// point a last digit turns the normal.
+/// Differences together, as they meet in no preset. Most of them that may have a pixel which no nudge of the camera's
+/// ray explains: shadow rays have edges of their own, level rays along a yarn hardly leave it, and where a patch comes
+/// to a point a last digit turns the normal.
 fn mixtures(count: u32, seed: u32, unexplained: usize) {
     let mut cpu = CpuBackend::default();
     let mut random = Pcg::new(seed, 0);

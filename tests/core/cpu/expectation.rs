@@ -82,8 +82,8 @@ fn closed_paths_agree() {
     agree(closed(&design, 2), 16, &[fewer]);
 }
 
-/// Wide loops of half the density that a free path needs, all bright before black: what passes is set by how densities that
-/// overlap are held together (MODEL.md §5).
+/// Wide loops of half the density that a free path needs, all bright before black: what passes is set by how densities
+/// that overlap are held together (MODEL.md §5).
 #[test]
 fn crowded_loops_let_the_same_light_through() {
     let mut design = small_towel();

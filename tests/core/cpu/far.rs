@@ -89,8 +89,8 @@ fn the_last_cells_look_like_the_first() {
                 finish(&mut cpu, &request(&design, SIZE))
             });
             shows_something(&first).unwrap();
-            // Rays that pass an edge by less than f64 knows a place 4·10⁴ mm away, 10⁻¹¹ mm, are none of so few; but what
-            // lies within a block is f32, and its rounding starts from other numbers.
+            // Rays that pass an edge by less than f64 knows a place 4·10⁴ mm away, 10⁻¹¹ mm, are none of so few; but
+            // what lies within a block is f32, and its rounding starts from other numbers.
             let count = different(&first, &last);
             assert!(count as f64 <= allowed, "{along_warps} {method:?}: {count}");
             // One cell on the pattern is another.

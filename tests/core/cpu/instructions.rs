@@ -31,8 +31,8 @@ fn wide_and_plain_instructions_draw_the_same_bits() {
     }
 }
 
-/// One closure that is not inlined into the function with the wide instructions turns every sum of eight numbers into a call, and
-/// draws the same bits at half the pace: then the program has these functions, else only their instructions.
+/// One closure that is not inlined into the function with the wide instructions turns every sum of eight numbers into a
+/// call, and draws the same bits at half the pace: then the program has these functions, else only their instructions.
 #[test]
 #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
 fn no_sum_of_eight_numbers_is_a_call() {

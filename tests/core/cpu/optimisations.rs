@@ -1,8 +1,8 @@
 //! What the processor leaves out: with each skip off it draws the same picture, and its counter moves.
 //!
-//! Without a skip loops are solved from other blocks, and what a shadow ray passes adds up in another order: pictures by
-//! `single` and `layered` are the same to f32 rounding, not to the bit. `tracked` spends its random numbers where loops may
-//! be: without a skip on other places, so that only its distribution stays.
+//! Without a skip loops are solved from other blocks, and what a shadow ray passes adds up in another order: pictures
+//! by `single` and `layered` are the same to f32 rounding, not to the bit. `tracked` spends its random numbers where
+//! loops may be: without a skip on other places, so that only its distribution stays.
 
 use renderer_core::cpu::CpuBackend;
 use renderer_core::design::{Design, Method};
@@ -83,8 +83,8 @@ fn without_empty_cells_the_samples_are_the_same() {
         assert!(some.skipped_cells > some.cells / 20, "{some:?}");
         assert_eq!(none.skipped_cells, 0);
         assert!(some.patch_tests < none.patch_tests / 2, "{some:?} {none:?}");
-        // About as many cells are walked through: where all of a block's loops are solved at once, a dark shadow ray has all
-        // of them behind it a little earlier.
+        // About as many cells are walked through: where all of a block's loops are solved at once, a dark shadow ray
+        // has all of them behind it a little earlier.
         assert!(
             some.cells.abs_diff(none.cells) <= none.cells / 20,
             "{some:?} {none:?}"
@@ -112,8 +112,8 @@ fn dark_shadow_rays_end() {
             on_and_off(&request(&design, [48, 40]), Optimisation::OpaqueRays);
         assert!(some.ended_rays > some.shadow_rays / 20, "{some:?}");
         assert!(none.ended_rays == 0 && none.volume_samples > some.volume_samples);
-        // What is left out is below 10⁻⁴ of the light, and suns and sky give a pixel some units of radiance; all else is
-        // the same to the bit.
+        // What is left out is below 10⁻⁴ of the light, and suns and sky give a pixel some units of radiance; all else
+        // is the same to the bit.
         let mut most = 0.0_f32;
         for (a, b) in on.pixels.iter().zip(&off.pixels) {
             for c in 0..4 {

@@ -73,8 +73,8 @@ pub const LOOPS: [Edit; 13] = [
     }),
 ];
 
-/// Exact parallelograms, A = 0. By `layered` every shadow ray that begins on a layer runs along others, and turns on rounding: not
-/// among [`LOOPS`].
+/// Exact parallelograms, A = 0. By `layered` every shadow ray that begins on a layer runs along others, and turns on
+/// rounding: not among [`LOOPS`].
 pub const UNBENT: Edit = ("unbent", |d| {
     let pile = &mut d.pile;
     pile.top_width = pile.base_width;

@@ -16,8 +16,8 @@ use crate::support::compare::{same_as_reference, shows_something};
 use crate::support::device::{exact_gpu, finish, on_reference};
 use crate::support::scenes::{request as request_of, small_towel};
 
-/// Light of radiance 1 from a rectangle: azimuth and elevation, distance, width and height. Its radiance follows from the
-/// irradiance that a design asks for by the form that [`toward_plane`] has too; a slip in either shows.
+/// Light of radiance 1 from a rectangle: azimuth and elevation, distance, width and height. Its radiance follows from
+/// the irradiance that a design asks for by the form that [`toward_plane`] has too; a slip in either shows.
 fn area([azimuth, elevation, distance, width, height]: [f64; 5]) -> AreaLight {
     AreaLight {
         azimuth,
@@ -135,7 +135,8 @@ fn a_point_that_scatters_equally_takes_the_solid_angle() {
                 request.settings.shadows = false;
                 let picture = finish(&mut *backend, &request);
                 let what = format!("{numbers:?}, {name} {method:?}");
-                // `single` scatters in the middle of the crossing's light, `layered` in its only layer's: at half a thickness.
+                // `single` scatters in the middle of the crossing's light, `layered` in its only layer's: at half a
+                // thickness.
                 let moved = point - DVec3::new(half.x, 0.0, 0.0);
                 let other = radiance(&light) * solid_angle(corners(&light), moved) / (4.0 * PI);
                 assert_mean(
@@ -290,23 +291,23 @@ fn a_light_in_the_cloth_is_refused_and_one_that_touches_it_is_drawn() {
             assert!((corner - plane).dot(facing) > 0.0, "{corner}");
         }
         design.light.area[0].distance -= 1.0;
-        let told = compile(&design).unwrap_err().to_string();
+        let message = compile(&design).unwrap_err().to_string();
         let expected = format!(
             "light.area[0].distance is {}, allowed is at least {nearest} mm from azimuth {azimuth}°",
             nearest - 1.0
         );
-        assert!(told.contains(&expected), "{told}");
+        assert!(message.contains(&expected), "{message}");
     }
     let mut design = small_towel();
     design.light.area = vec![AreaLight {
         width: 0.0,
         ..AreaLight::default()
     }];
-    let told = compile(&design).unwrap_err().to_string();
+    let message = compile(&design).unwrap_err().to_string();
     let expected = "light.area[0].width is 0, allowed is 1 to 100000 mm";
-    assert!(told.contains(expected), "{told}");
+    assert!(message.contains(expected), "{message}");
     design.light.area = vec![AreaLight::default(); 5];
-    let told = compile(&design).unwrap_err().to_string();
+    let message = compile(&design).unwrap_err().to_string();
     let expected = "light.area is 5 area lights, allowed is at most 4 area lights";
-    assert!(told.contains(expected), "{told}");
+    assert!(message.contains(expected), "{message}");
 }

@@ -276,8 +276,8 @@ fn an_error_target_ends_at_a_power_of_two() {
 
 #[test]
 fn the_error_estimate_is_the_spread_of_four_scrambles() {
-    // Every sample of scramble s has the value (1 + s)·(1, 2, −1): independent means m_s, of which the variance of the mean m of
-    // all n samples is Σ n_s(m_s − m)²/((k − 1)·n) times 1, 4 and 1; k scrambles have n_s samples.
+    // Every sample of scramble s has the value (1 + s)·(1, 2, −1): independent means m_s, of which the variance of the
+    // mean m of all n samples is Σ n_s(m_s − m)²/((k − 1)·n) times 1, 4 and 1; k scrambles have n_s samples.
     let colour = DVec3::new(1.0, 2.0, -1.0);
     let size = [36, 18];
     for (samples, mean, variance) in [
@@ -358,12 +358,12 @@ fn methods_that_the_fast_renderer_lacks_are_told() {
             begun.expect("one of its methods");
             continue;
         }
-        let told = begun.expect_err("none of its methods");
-        assert!(matches!(told, RenderError::Method { .. }), "{told}");
-        let told = told.to_string();
+        let message = begun.expect_err("none of its methods");
+        assert!(matches!(message, RenderError::Method { .. }), "{message}");
+        let message = message.to_string();
         assert!(
-            told.contains(&method.name()) && told.contains("--backend reference"),
-            "{told}"
+            message.contains(&method.name()) && message.contains("--backend reference"),
+            "{message}"
         );
     }
 }

@@ -32,8 +32,8 @@ pub fn wild_towel(interpolation: Interpolation) -> Scene {
     compile(&design).expect("a valid design")
 }
 
-/// One upright loop on one cell whose volume is a uniform block: 0.8 mm thick along x, 1.9 mm wide along y, 3 mm high. Its
-/// density is 1/mm; single-scatter albedo 1; isotropic; no skeleton, no light, black background.
+/// One upright loop on one cell whose volume is a uniform block: 0.8 mm thick along x, 1.9 mm wide along y, 3 mm high.
+/// Its density is 1/mm; single-scatter albedo 1; isotropic; no skeleton, no light, black background.
 pub fn block(layers: u32) -> Scene {
     blocks(layers, 1, 13.3)
 }

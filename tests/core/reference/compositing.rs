@@ -344,8 +344,8 @@ fn single_loses_rays_beside_the_middle_patch_and_layered_keeps_them() {
     assert_eq!(single.composited_visibility(&ray, &mut scratch), 1.0);
     let layered = Tracer::new(&request(scene, Method::Layered, 1));
     let kept = layered.composited_visibility(&ray, &mut scratch);
-    // The true way through: from w = −½ (0.5·half.x behind) to the top (0.1·half.x ahead), times √2. Layers of a sixteenth
-    // of the thickness know its ends to half a layer each.
+    // The true way through: from w = −½ (0.5·half.x behind) to the top (0.1·half.x ahead), times √2. Layers of a
+    // sixteenth of the thickness know its ends to half a layer each.
     let depth = 0.6 * half.x * 2.0_f64.sqrt();
     assert!(
         (-kept.ln() - depth).abs() < 2.0 * half.x / 16.0 * 1.5,

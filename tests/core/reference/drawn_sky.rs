@@ -1,5 +1,5 @@
-//! Skies with a small bright part, whose light tells where to look: what is drawn has the density it says, and pictures are
-//! those of the same light that comes another way.
+//! Skies with a small bright part, whose light tells where to look: what is drawn has the density it says, and pictures
+//! are those of the same light that comes another way.
 
 use std::f64::consts::{PI, TAU};
 
@@ -100,7 +100,8 @@ fn directions_have_the_density_they_say() {
             // A texel is some points wide at least, but next to the pole: there are few, of little light.
             assert!((total - 1.0).abs() < 0.05, "{image:?} {below}: {total}");
 
-            // Of directions drawn by evenly spread numbers: means over the half, of 1 and of three functions of the direction.
+            // Of directions drawn by evenly spread numbers: means over the half, of 1 and of three functions of the
+            // direction.
             let mut sums = [0.0; 4];
             for k in 0..steps as usize {
                 for j in 0..steps as usize {
@@ -118,7 +119,8 @@ fn directions_have_the_density_they_say() {
             // ∫ x² = 2π/3, ∫ xy = 0, ∫ z = ±π over half a sphere.
             let expected = [TAU, TAU / 3.0, 0.0, sign * PI];
             for (sum, expected) in sums.iter().zip(expected) {
-                // Dark texels have few points, of much weight: the mean of the darkest picture's is good to some percent.
+                // Dark texels have few points, of much weight: the mean of the darkest picture's is good to some
+                // percent.
                 assert!((sum - expected).abs() < 0.35, "{image:?} {below}: {sums:?}");
             }
         }
@@ -174,7 +176,8 @@ fn a_small_sun_in_a_picture_lights_by_its_closed_form() {
                     let request = look_at_yarn(scene.clone(), normal, method);
                     let picture = finish(&mut *backend, &request);
                     let what = format!("{at} turned by {rotation}°, {normal}, {name} {method:?}");
-                    // By the phase alone 16 samples of 256 pixels would hit the sun three times: no such small deviation.
+                    // By the phase alone 16 samples of 256 pixels would hit the sun three times: no such small
+                    // deviation.
                     assert_mean(&what, &picture, 0, expected, 2e-3 * expected);
                 }
             }

@@ -1,7 +1,8 @@
 //! Energy: cloth that absorbs nothing neither gains light from a white sky nor from a beam.
 //!
-//! A white sky (a furnace) tests the integral of each lobe over lights, with the view given: no path may come back with more
-//! than it set out with. It cannot see what a lobe without reciprocity does with the views given one light, so a beam does.
+//! A white sky (a furnace) tests the integral of each lobe over lights, with the view given: no path may come back with
+//! more than it set out with. It cannot see what a lobe without reciprocity does with the views given one light, so a
+//! beam does.
 
 use std::f64::consts::PI;
 
@@ -45,7 +46,8 @@ const BLOCKS: usize = 16;
 /// Requires that no block of a picture of the furnace is brighter than the sky; the mean of all.
 fn stays_below_the_sky(what: &str, scene: Scene, method: Method, bounces: u32, exact: bool) -> f64 {
     let samples = 8;
-    // By its own shadow ray the sky is looked at on either side of the ground, and on the other seldom but with more weight.
+    // By its own shadow ray the sky is looked at on either side of the ground, and on the other seldom but with more
+    // weight.
     let down = scene.skeleton.worth_looking_down(&scene.sheet);
     let most = match method {
         Method::Tracked => 1.0,
@@ -105,9 +107,9 @@ fn many_scatterings_under_a_white_sky_gain_nothing() {
     }
 }
 
-/// Light of a beam along −`towards` that the cloth of `scene` scatters to all sides, over the light that it stops; and the
-/// deviation of the ratio. Rays are drawn evenly over all directions and the ball's disc across each: what comes along them
-/// adds up to all light that leaves.
+/// Light of a beam along −`towards` that the cloth of `scene` scatters to all sides, over the light that it stops; and
+/// the deviation of the ratio. Rays are drawn evenly over all directions and the ball's disc across each: what comes
+/// along them adds up to all light that leaves.
 fn beam_ratio(scene: &Scene, towards: DVec3, views: u32) -> (f64, f64) {
     const SIDE: u32 = 6;
     const BALL_MM: f64 = 9.0;
@@ -170,13 +172,14 @@ fn beam_ratio(scene: &Scene, towards: DVec3, views: u32) -> (f64, f64) {
 }
 
 /// The most of a beam's light that cloth may give back. One scattering gives back ∫ψ dv to all views together: 1 for
-/// `isotropic`; 2|n·l| for `frame_lambert` and `gradient_lambert`, which is 1 in the mean over all light, so that what has been
-/// scattered once is neither multiplied nor lost, but up to 2 for the beam itself; for `kajiya_kay` up to 1.25.
+/// `isotropic`; 2|n·l| for `frame_lambert` and `gradient_lambert`, which is 1 in the mean over all light, so that what
+/// has been scattered once is neither multiplied nor lost, but up to 2 for the beam itself; for `kajiya_kay` up to
+/// 1.25.
 ///
-/// Measured, from above, askew and level: `isotropic` 0.99 each time; `frame_lambert` 0.63, 1.44 and 1.53, since most loops face
-/// the warps' sides: it does gain light from a beam that meets them face on, and lose it from one along them;
-/// `gradient_lambert`, whose surfaces face all sides and shade what lies behind them, 0.90, 0.99 and 0.99; `kajiya_kay` 0.86, 1.01
-/// and 1.06, all to ±0.03. Transmission makes no difference.
+/// Measured, from above, askew and level: `isotropic` 0.99 each time; `frame_lambert` 0.63, 1.44 and 1.53, since most
+/// loops face the warps' sides: it does gain light from a beam that meets them face on, and lose it from one along
+/// them; `gradient_lambert`, whose surfaces face all sides and shade what lies behind them, 0.90, 0.99 and 0.99;
+/// `kajiya_kay` 0.86, 1.01 and 1.06, all to ±0.03. Transmission makes no difference.
 fn most_of_a_beam(phase: Phase) -> f64 {
     match phase {
         Phase::Isotropic => 1.0,
@@ -206,7 +209,7 @@ fn a_beam_gains_nothing_in_isotropic_pile() {
 #[test]
 #[ignore = "long: about 60 s"]
 fn beams_gain_no_more_than_the_first_scattering_may_give() {
-    let mut told = String::new();
+    let mut message = String::new();
     for &phase in ALL_PHASES {
         for transmission in [0.0, 0.5] {
             let mut scene = furnace_with(phase, SkeletonShading::Lambert);
@@ -215,11 +218,11 @@ fn beams_gain_no_more_than_the_first_scattering_may_give() {
             });
             for towards in beams() {
                 let (ratio, deviation) = beam_ratio(&scene, towards, 4000);
-                told +=
+                message +=
                     &format!("{phase:?} {transmission} {towards}: {ratio:.3} ± {deviation:.3}\n");
                 let most = most_of_a_beam(phase);
-                assert!(ratio < most + 3.0 * deviation, "{told}");
-                assert!(ratio > 0.5, "{told}");
+                assert!(ratio < most + 3.0 * deviation, "{message}");
+                assert!(ratio > 0.5, "{message}");
             }
         }
     }

@@ -129,8 +129,8 @@ fn several_suns_add_and_colours_multiply() {
 
 #[test]
 fn a_wide_sun_lights_by_the_mean_over_its_disc() {
-    // Lambert facing up under a sun of half-angle r at the zenith: E · albedo/π · mean cos = E·albedo/π · (1 + cos r)/2.
-    // A flat yarn has no crimp; in the middle of its top the normal is straight up.
+    // Lambert facing up under a sun of half-angle r at the zenith: E · albedo/π · mean cos = E·albedo/π · (1 + cos
+    // r)/2. A flat yarn has no crimp; in the middle of its top the normal is straight up.
     let mut design = Design::default();
     (design.sheet.warps, design.sheet.wefts) = (1, 1);
     design.weave.pattern = renderer_core::design::Pattern::filled(1, 1, 1);
@@ -276,8 +276,9 @@ fn fewer_bounces_are_darker_and_never_brighter_than_the_sky() {
 
 #[test]
 fn roulette_does_not_change_the_mean() {
-    // A gray block in a white sky: with albedo a, the light of exactly n scatterings is aⁿ times that of a white one. So the
-    // gray picture follows from the white ones of 1, 2, … bounces, which roulette leaves alone (their throughput is 1).
+    // A gray block in a white sky: with albedo a, the light of exactly n scatterings is aⁿ times that of a white one.
+    // So the gray picture follows from the white ones of 1, 2, … bounces, which roulette leaves alone (their throughput
+    // is 1).
     let gray = 0.8;
     let mut scene = block(1);
     edit_pile(&mut scene, |pile| pile.materials[0].density_per_mm = 8.0);

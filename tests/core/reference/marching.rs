@@ -45,8 +45,8 @@ fn transmittance_is_the_quadrature_over_all_loops() {
             }
             partly += usize::from((0.01..0.99).contains(&through));
         }
-        // The quadrature knows where loops and slabs begin and end to 1 µm at most, and there σ may jump by 3/mm: 3e-3 for
-        // an end in the worst case, and seldom.
+        // The quadrature knows where loops and slabs begin and end to 1 µm at most, and there σ may jump by 3/mm: 3e-3
+        // for an end in the worst case, and seldom.
         let rms = squares.map(|sum| f64::sqrt(sum / 150.0));
         assert!(
             worst[0] < 3e-3 && rms[0] < 3e-4,
@@ -187,8 +187,8 @@ fn errors_fall_with_the_step_at_the_order_of_the_method() {
     eprintln!(
         "exact {exact:.6?} order {exact_order:.2}, six-face {six_face:.6?} order {six_face_order:.2}"
     );
-    // σ is smooth between the cuts of exact: the midpoint rule is of second order. six-face meets the ends of loops, where σ
-    // jumps, anywhere in a step: first order.
+    // σ is smooth between the cuts of exact: the midpoint rule is of second order. six-face meets the ends of loops,
+    // where σ jumps, anywhere in a step: first order.
     assert!(exact_order > 1.7, "{exact:?}: {exact_order}");
     assert!(six_face_order > 0.9, "{six_face:?}: {six_face_order}");
     assert!(six_face[3] > 5.0 * exact[3], "{six_face:?} {exact:?}");
@@ -237,8 +237,8 @@ fn smooth_loop(layers: u32, twist: f64) -> Scene {
 
 #[test]
 fn slabs_converge_as_layers_grow() {
-    // Flat loops: the linear map of `single` is exact and its bias is none, for rays that hit the mid patch well inside.
-    // Twisted loops: the patches of `layered` follow the volume, and in the limit are all of it.
+    // Flat loops: the linear map of `single` is exact and its bias is none, for rays that hit the mid patch well
+    // inside. Twisted loops: the patches of `layered` follow the volume, and in the limit are all of it.
     for (method, twist) in [
         (Method::Single, 0.0),
         (Method::Layered, 0.0),

@@ -203,8 +203,8 @@ fn fibres_follow_the_frame_of_their_loop() {
 
 #[test]
 fn gradients_point_out_of_the_yarn() {
-    // ρ = (20 + 3a + 5b + 4l)/255 in voxel (a, b, l) of 16³, all other voxels of the tower likewise: a ramp that bilinear
-    // filtering reproduces and central differences measure exactly, away from the border.
+    // ρ = (20 + 3a + 5b + 4l)/255 in voxel (a, b, l) of 16³, all other voxels of the tower likewise: a ramp that
+    // bilinear filtering reproduces and central differences measure exactly, away from the border.
     let mut design = Design::default();
     (design.sheet.warps, design.sheet.wefts) = (5, 5);
     (

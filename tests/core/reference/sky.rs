@@ -17,8 +17,8 @@ use crate::support::compare::{same_samples, shows_something};
 use crate::support::device::{exact_gpu, finish, gpu, on_reference, reference};
 use crate::support::scenes::{request as request_of, small_towel};
 
-/// A picture of the surroundings made from directions: row 0 at the zenith, the middle towards +y, azimuths falling from
-/// left to right, as one sees who stands on the cloth and looks over its far edge.
+/// A picture of the surroundings made from directions: row 0 at the zenith, the middle towards +y, azimuths falling
+/// from left to right, as one sees who stands on the cloth and looks over its far edge.
 pub fn picture(width: usize, light: impl Fn(DVec3) -> [f32; 3]) -> EnvironmentImage {
     let height = width / 2;
     let mut reader = EnvironmentReader::new(width, height).unwrap();
@@ -92,8 +92,8 @@ pub fn assert_mean(what: &str, picture: &Picture, channel: usize, expected: f64,
     assert!(deviation < 0.02, "{what} tells nothing: ± {deviation}");
 }
 
-/// All backends, and the methods that each is asked for: every one of the reference and of the processor, on the GPU one of
-/// each program.
+/// All backends, and the methods that each is asked for: every one of the reference and of the processor, on the GPU
+/// one of each program.
 pub fn all() -> [(&'static str, Box<dyn Backend>, &'static [Method]); 3] {
     let gpu: GpuBackend = gpu();
     let fast = &[Method::Single, Method::Layered, Method::Tracked];
@@ -175,8 +175,8 @@ fn a_gradient_lights_by_its_closed_form() {
 
 #[test]
 fn a_deep_isotropic_block_is_lit_from_the_right_side() {
-    // 48 mean free paths thick and more to all other sides: half a space, seen straight on. Light from the hemisphere it
-    // faces, scattered once: ½∫₀¹ μ/(1+μ) dμ = ½(1 − ln 2). Half of the hemisphere gives half, its back nothing.
+    // 48 mean free paths thick and more to all other sides: half a space, seen straight on. Light from the hemisphere
+    // it faces, scattered once: ½∫₀¹ μ/(1+μ) dμ = ½(1 − ln 2). Half of the hemisphere gives half, its back nothing.
     let whole = 0.5 * (1.0 - LN_2);
     let cases = [
         (RIGHT, whole),

@@ -53,8 +53,9 @@ fn no_surface_gains_energy() {
         for view in views().into_iter().step_by(2) {
             let phong = integral(NORMAL, |light| surface.phong(NORMAL, view, light));
             let fibres = integral(NORMAL, |light| surface.fibres(NORMAL, ALONG, view, light));
-            // Rings of π/540 integrate the sharpest highlight to 10⁻⁴; the eight points of a fibre's highlight are good to
-            // some 10⁻⁴ where its peak lies on the wall and to a percent of its light where it is cut off (p = 1: a kink).
+            // Rings of π/540 integrate the sharpest highlight to 10⁻⁴; the eight points of a fibre's highlight are good
+            // to some 10⁻⁴ where its peak lies on the wall and to a percent of its light where it is cut off (p = 1: a
+            // kink).
             assert!(phong < 1.0 + 1e-3, "{surface:?} from {view}: {phong}");
             assert!(fibres < 1.0 + 1e-3, "{surface:?} from {view}: {fibres}");
             if surface.specular == 0.0 {
@@ -136,8 +137,8 @@ fn surface_samples_follow_the_value() {
     }
 }
 
-/// A relief of half-cylinders of radius 1 with their axes `spacing` apart, met by rays in detail: the mean over one period of
-/// what each facet reflects to the view, over the period as the view sees it.
+/// A relief of half-cylinders of radius 1 with their axes `spacing` apart, met by rays in detail: the mean over one
+/// period of what each facet reflects to the view, over the period as the view sees it.
 fn relief(surface: &SurfaceOptics, view: DVec3, light: DVec3, shade: bool) -> f64 {
     const STEPS: u32 = 40_000;
     let d = surface.spacing;
@@ -192,7 +193,8 @@ fn fibres_are_a_relief_of_cylinders() {
                 let found = surface.fibres(NORMAL, ALONG, view, light);
                 let expected = relief(&surface, view, light, true);
                 lit += u32::from(expected > 0.05);
-                // 40 000 steps are exact to 10⁻⁴; eight points of a broad highlight cut off by a neighbour to a percent.
+                // 40 000 steps are exact to 10⁻⁴; eight points of a broad highlight cut off by a neighbour to a
+                // percent.
                 assert!(
                     (found - expected).abs() < 2e-4 + 0.01 * specular * expected,
                     "{surface:?}, {view} and {light}: {found}, not {expected}"
@@ -224,8 +226,8 @@ fn light_along_the_view_meets_no_shadow() {
 
 #[test]
 fn a_lone_cylinder_has_its_closed_form() {
-    // Lambert's cylinder, seen and lit at right angles to its axis δ apart: ½((π − δ)·cos δ + sin δ)/π for light of unit
-    // irradiance and unit radius. Seen and lit from different sides the floor at its axis cuts nothing off.
+    // Lambert's cylinder, seen and lit at right angles to its axis δ apart: ½((π − δ)·cos δ + sin δ)/π for light of
+    // unit irradiance and unit radius. Seen and lit from different sides the floor at its axis cuts nothing off.
     let spacing = 50.0;
     let surface = surface(0.0, 1.0, spacing);
     let d = 2.0 * spacing;
@@ -256,7 +258,8 @@ fn fibres_far_apart_leave_the_floor() {
             surface.fibres(NORMAL, ALONG, view, light),
             surface.phong(NORMAL, view, light),
         );
-        // A fibre's share is its width and shadows, up to 40 of 2·10⁵, and its highlight may be some ten times brighter.
+        // A fibre's share is its width and shadows, up to 40 of 2·10⁵, and its highlight may be some ten times
+        // brighter.
         assert!(
             (found - flat).abs() < 3e-3 * flat.max(1.0),
             "{found}, not {flat}"

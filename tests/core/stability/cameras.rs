@@ -139,8 +139,8 @@ fn extreme_cameras_and_piles_have_the_same_expectation() {
     }
 }
 
-/// Loops of very different lengths share cells: the steps in which a cell tells the heights of its loops are coarse, and
-/// a ray just below a loop's top must still find it.
+/// Loops of very different lengths share cells: the steps in which a cell tells the heights of its loops are coarse,
+/// and a ray just below a loop's top must still find it.
 #[test]
 fn a_loop_is_found_up_to_its_very_top() {
     let mut design = small_towel();

@@ -1,5 +1,5 @@
-//! Every field of a design at its ends and between, alone and in pairs: a finite picture in bounded time, or a fault that names
-//! the field.
+//! Every field of a design at its ends and between, alone and in pairs: a finite picture in bounded time, or a fault
+//! that names the field.
 
 use std::time::{Duration, Instant};
 
@@ -104,13 +104,13 @@ fn judge(design: &Design, backends: &mut [&mut dyn Backend]) -> Result<bool, Str
     let start = Instant::now();
     let drawn = match compile(design) {
         Err(error) => {
-            let told = error.to_string();
+            let message = error.to_string();
             let Shape::Table(sections) = Design::shape() else {
                 return Err("a design is a table".into());
             };
-            let named = |section: &Entry| told.contains(&format!("{}.", section.name));
+            let named = |section: &Entry| message.contains(&format!("{}.", section.name));
             if !sections.iter().any(named) {
-                return Err(format!("names no field: {told}"));
+                return Err(format!("names no field: {message}"));
             }
             false
         }
@@ -326,8 +326,8 @@ fn too_large_is_told_before_memory_is_asked_for() {
             "pile.max_length",
         ),
     ] {
-        let told = compile(&with(&small(), &edits)).unwrap_err().to_string();
-        assert!(told.contains(says), "{told}");
+        let message = compile(&with(&small(), &edits)).unwrap_err().to_string();
+        assert!(message.contains(says), "{message}");
     }
     assert!(start.elapsed() < Duration::from_secs(5));
 }

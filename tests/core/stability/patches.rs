@@ -1,19 +1,21 @@
-//! A million rays against patches: the shader's f32 solver against the f64 one, and that one against a search of its own.
+//! A million rays against patches: the shader's f32 solver against the f64 one, and that one against a search of its
+//! own.
 //!
 //! What counts. ε = 2⁻²⁴ is the rounding of a direction's component. A case's *size* is its patch's longest side, t the
 //! distance to the patch, and its *rounding* δ = 8·ε·(t + size): eight roundings of the longest vectors involved.
 //!
 //! - A case is *clear* ("away from edges") if the number of crossings stays the same when the ray is shifted by 2·δ, or
-//!   turned about one of five points near the patch so that it moves by 2·δ over the patch's size, in any of eight directions, and the
-//!   patch at once made larger or smaller by the tolerance of u and v. Then the shader must find that number.
-//! - Where a crossing is found, u and v are right to max(10⁻⁴, 4·ε·(t + size)/width), width being the patch's smaller extent
-//!   as seen along the ray: the smallest singular value of the projected (∂P/∂u, ∂P/∂v), the inverse of how far u and v move when the
-//!   ray is shifted. Left out is only what is *folded*: where over that tolerance the patch's twist changes the width by a quarter of it,
-//!   so that this linear estimate says nothing.
-//! - t is right to 10⁻⁵ of the larger of t and the size where the width is at least a [`CONDITION`]th of the size: that leaves out rays
-//!   that meet the patch at a small angle, and patches much longer than wide.
-//! - Every crossing, clear or not, must lie on the ray to δ: what is found is the crossing of a ray moved by no more. Where rays run
-//!   along the surface they may be moved along it by some more.
+//!   turned about one of five points near the patch so that it moves by 2·δ over the patch's size, in any of eight
+//!   directions, and the patch at once made larger or smaller by the tolerance of u and v. Then the shader must find
+//!   that number.
+//! - Where a crossing is found, u and v are right to max(10⁻⁴, 4·ε·(t + size)/width), width being the patch's smaller
+//!   extent as seen along the ray: the smallest singular value of the projected (∂P/∂u, ∂P/∂v), the inverse of how far
+//!   u and v move when the ray is shifted. Left out is only what is *folded*: where over that tolerance the patch's
+//!   twist changes the width by a quarter of it, so that this linear estimate says nothing.
+//! - t is right to 10⁻⁵ of the larger of t and the size where the width is at least a [`CONDITION`]th of the size: that
+//!   leaves out rays that meet the patch at a small angle, and patches much longer than wide.
+//! - Every crossing, clear or not, must lie on the ray to δ: what is found is the crossing of a ray moved by no more.
+//!   Where rays run along the surface they may be moved along it by some more.
 //!
 //! `families` says how much of each family these words leave out.
 
@@ -178,7 +180,8 @@ fn judge(case: &Case, found: &[Root], family: &Family) -> Tally {
         tally.unclear = 1.0;
         return tally;
     };
-    // One crossing that lies on a ray moved by no more than rounding is not invented, whatever the moves tried above show.
+    // One crossing that lies on a ray moved by no more than rounding is not invented, whatever the moves tried above
+    // show.
     let moved = found.len() == 1 && count == 0 && tally.off_ray <= 1.0;
     if found.len() != count && !moved {
         tally
@@ -253,7 +256,8 @@ fn compare_with_f64(count: usize) {
             || narrow > family.narrow
         {
             failures.push(format!(
-                "{}: {unclear} unclear, {folded} folded, {narrow} narrow, u and v off by {} of what is allowed, t by {}; {:#?}",
+                "{}: {unclear} unclear, {folded} folded, {narrow} narrow, u and v off by {} of what is allowed, t by \
+                 {}; {:#?}",
                 family.name, tally.off_u_v, tally.off_t, tally.wrong
             ));
         }
@@ -290,7 +294,7 @@ fn wrong_answers_would_be_noticed() {
         };
         let mut wrong = Vec::new();
         if count > 0 {
-            // Lost; told twice; off by three tolerances in u, along the patch.
+            // Lost; reported twice; off by three tolerances in u, along the patch.
             wrong.push((0, roots[1..].to_vec()));
             wrong.push((
                 1,
@@ -316,8 +320,9 @@ fn wrong_answers_would_be_noticed() {
     assert!(tried.iter().all(|&count| count > 500), "{tried:?}");
 }
 
-/// Crossings found by a search that shares nothing with the solver: seen along the ray, lines of constant v pass it on one side
-/// or the other, by an area with one extremum in v. On both sides of that, v is found by bisection, and u on the line.
+/// Crossings found by a search that shares nothing with the solver: seen along the ray, lines of constant v pass it on
+/// one side or the other, by an area with one extremum in v. On both sides of that, v is found by bisection, and u on
+/// the line.
 fn searched(patch: &BilinearPatch, ray: &Ray, size: f64) -> Vec<[f64; 2]> {
     let (x, y) = orthonormal_basis(ray.direction);
     let near = ray.at((patch.centre - ray.origin).dot(ray.direction));
@@ -441,8 +446,8 @@ fn points_are_inverted_on_the_device_as_in_f64() {
         let [u, v, w] = [0, 1, 2].map(|k| f64::from(answer[k]));
         let found = (0.0..=1.0).contains(&u) && (0.0..=1.0).contains(&v) && w.abs() <= 0.5;
         let point = case.origin.as_dvec3();
-        // Where the shader puts the point, it is: to some roundings of the loop's size, magnified by how much the loop is
-        // narrower at one end than in its middle (ten times at the limit of convexity).
+        // Where the shader puts the point, it is: to some roundings of the loop's size, magnified by how much the loop
+        // is narrower at one end than in its middle (ten times at the limit of convexity).
         let rounding = 64.0 * EPSILON * (size_of(case) + point.length());
         if found {
             inside += 1;

@@ -1,5 +1,6 @@
-//! Tiles that end before the picture, since their error is small enough. What may end when is worked out here once more, by
-//! MODEL.md §10 and from pictures that are drawn to the end: of 8, 16, 24 … samples, so that each run of 8 is known by itself.
+//! Tiles that end before the picture, since their error is small enough. What may end when is worked out here once
+//! more, by MODEL.md §10 and from pictures that are drawn to the end: of 8, 16, 24 … samples, so that each run of 8 is
+//! known by itself.
 
 use std::collections::BTreeSet;
 use std::sync::atomic::AtomicBool;
@@ -139,8 +140,8 @@ impl Spread {
     }
 }
 
-/// With how many samples each tile of a picture ended: those with which a plain picture has the same bits in it; `None` for
-/// background.
+/// With how many samples each tile of a picture ended: those with which a plain picture has the same bits in it; `None`
+/// for background.
 fn ends_of(
     request: &RenderRequest,
     picture: &Picture,
@@ -306,9 +307,9 @@ impl Apart {
         }
     }
 
-    /// Whether it is noise. A bright pixel that only one of two pictures has seen can double the squares of a whole picture.
-    /// Channels go together, so that the variance of their sum is at most three times the sum of theirs; four deviations are one
-    /// chance in 16,000.
+    /// Whether it is noise. A bright pixel that only one of two pictures has seen can double the squares of a whole
+    /// picture. Channels go together, so that the variance of their sum is at most three times the sum of theirs; four
+    /// deviations are one chance in 16,000.
     fn is_noise(&self) -> Result<(), String> {
         let ratio = self.squares / self.variance;
         let deviations = self.difference / (3.0 * self.variance).sqrt();

@@ -1,6 +1,6 @@
 //! `export loops`: every loop of a design, in mm and world space, and the list of them as JSON with what else a
-//! renderer needs to draw the same picture. Bent cloth has its loops where they lie; its ground is given as that of flat
-//! cloth.
+//! renderer needs to draw the same picture. Bent cloth has its loops where they lie; its ground is given as that of
+//! flat cloth.
 
 use std::path::Path;
 

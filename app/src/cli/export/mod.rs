@@ -26,9 +26,9 @@ pub enum Export {
     Loops(ExportArguments),
     /// The volumes inside the loops, a PNG a layer, into a folder.
     ///
-    /// Alpha is the density, A = 255·ρ, and gray the shade that multiplies the albedo, L = 255·shade. Row 0 is at v = 1,
-    /// the loop's top, column 0 at u = 0, layer 0 at w = −½: pixel (x, y) of n × n in layer l of m is the voxel around
-    /// u = (x + ½)/n, v = 1 − (y + ½)/n, w = (l + ½)/m − ½.
+    /// Alpha is the density, A = 255·ρ, and gray the shade that multiplies the albedo, L = 255·shade. Row 0 is at v =
+    /// 1, the loop's top, column 0 at u = 0, layer 0 at w = −½: pixel (x, y) of n × n in layer l of m is the voxel
+    /// around u = (x + ½)/n, v = 1 − (y + ½)/n, w = (l + ½)/m − ½.
     Volume(ExportArguments),
     /// The four channels of the turbulence, one pixel a cell, as .exr.
     Turbulence(ExportArguments),

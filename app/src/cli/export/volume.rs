@@ -46,7 +46,8 @@ pub fn write(design: &Design, output: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// What files call each kind of volumes: the kind, with a number where an earlier one of it has another diameter of yarn.
+/// What files call each kind of volumes: the kind, with a number where an earlier one of it has another diameter of
+/// yarn.
 pub fn kind_names(volumes: &Volumes) -> Vec<String> {
     let kinds = volumes.kinds.iter().enumerate();
     let name = |(k, kind): (usize, &PileKind)| {

@@ -31,8 +31,8 @@ pub fn reduced(image: &ChartImage, side: usize) -> ColorImage {
     ColorImage::new(size, pixels)
 }
 
-/// The file that an image was read from, `otherwise` where it has none, and the image's size in pixels; the whole path for
-/// who points at it.
+/// The file that an image was read from, `otherwise` where it has none, and the image's size in pixels; the whole path
+/// for who points at it.
 pub fn file_label(ui: &mut Ui, path: Option<&str>, otherwise: &str, [width, height]: [usize; 2]) {
     let path = path.unwrap_or(otherwise);
     let name = Path::new(path).file_name();

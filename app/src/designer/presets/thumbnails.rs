@@ -108,7 +108,7 @@ struct Shared {
     desk: Mutex<Desk>,
     news: Condvar,
     /// Signalled when something is drawn, and when the thread goes to sleep.
-    told: Condvar,
+    changed: Condvar,
     /// Ends the slice in work.
     interrupt: AtomicBool,
 }
@@ -187,7 +187,7 @@ impl ThumbnailRenderer {
     pub fn take_within(&self, key: &ThumbnailKey, patience: Duration) -> Option<DrawnThumbnail> {
         let is_missing = |desk: &mut Desk| !desk.drawn.contains_key(key);
         let desk = self.shared.desk();
-        let waited = (self.shared.told).wait_timeout_while(desk, patience, is_missing);
+        let waited = (self.shared.changed).wait_timeout_while(desk, patience, is_missing);
         let (mut desk, _) = waited.unwrap_or_else(PoisonError::into_inner);
         desk.drawn.remove(key)
     }
@@ -203,7 +203,7 @@ impl ThumbnailRenderer {
     pub fn wait_for_rest(&self, patience: Duration) -> bool {
         let is_at_work = |desk: &mut Desk| self.is_running && !desk.is_resting;
         let desk = self.shared.desk();
-        let waited = (self.shared.told).wait_timeout_while(desk, patience, is_at_work);
+        let waited = (self.shared.changed).wait_timeout_while(desk, patience, is_at_work);
         !waited.unwrap_or_else(PoisonError::into_inner).1.timed_out()
     }
 
@@ -293,7 +293,7 @@ fn run(shared: &Shared, make: &MakeBackend, repaint: &egui::Context) {
         if desk.mail.iter().all(|mail| *mail.key() != key) {
             desk.drawn.insert(key, drawn);
             drop(desk);
-            shared.told.notify_all();
+            shared.changed.notify_all();
             repaint.request_repaint();
         }
     }
@@ -342,7 +342,7 @@ fn next(shared: &Shared, works: &mut Vec<Work>) -> Option<usize> {
             return Some(index);
         }
         desk.is_resting = true;
-        shared.told.notify_all();
+        shared.changed.notify_all();
         let woken = shared.news.wait(desk);
         desk = woken.unwrap_or_else(PoisonError::into_inner);
     }

@@ -10,7 +10,8 @@ use crate::csv::{OfPresets, number, quoted, table};
 use crate::plot::{Bar, Bars};
 use crate::units::seconds;
 
-const HEADER: &str = "preset,optimisation,measured,backend,work of a turn,cost with [s],cost without [s],clock time with [s],\
+const HEADER: &str = "preset,optimisation,measured,backend,work of a turn,cost with [s],cost without [s],clock time \
+    with [s],\
     clock time without [s],without : with [median of pairs],pairs,counter,counted with,counted without,\
     patch tests with,patch tests without,volume samples with,volume samples without,cells with,cells without,\
     difference of pictures [relRMSE],largest difference [radiance],difference of two seeds [relRMSE]";

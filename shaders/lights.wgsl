@@ -191,10 +191,10 @@ fn density_by_phase(at: Scatter, towards_eye: vec3<f32>, direction: vec3<f32>, s
     return same_side * (0.5 / PI);
 }
 
-// A direction to the sky with three numbers: by the phase, and that of a drawn sky mostly by its light (one-sample
-// balance heuristic).
+// A direction to the sky with three numbers: by the phase, and that of an importance-sampled environment mostly by its
+// light (one-sample balance heuristic).
 fn draw_sky(at: Scatter, rotation: Rotation, towards_eye: vec3<f32>, u: vec3<f32>) -> Drawn {
-    if !DRAWN_SKY {
+    if !SAMPLED_ENVIRONMENT {
         return draw_sky_direction(at, towards_eye, u);
     }
     var direction: vec3<f32>;

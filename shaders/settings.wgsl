@@ -34,7 +34,7 @@ override OWEN: bool = true;
 // How the environment varies with direction: SKY_*.
 override SKY: u32 = 0u;
 // Directions to it are drawn by its light, which no path meets by itself then.
-override DRAWN_SKY: bool = false;
+override SAMPLED_ENVIRONMENT: bool = false;
 // First samples may take their shadows from a cache.
 override CACHED_SHADOWS: bool = false;
 // The cloth is bent, or pulled by a net.

@@ -119,7 +119,7 @@ fn lit(
     var sum = vec3<f32>();
     // `tracked`, and later scatterings, meet the environment where a path escapes, unless it is drawn.
     let is_cut_off = PATH_CUTOFF && bounce == slice.path_cutoff;
-    let sky = ENVIRONMENT && (DRAWN_SKY || is_cut_off || (METHOD != METHOD_TRACKED && bounce == 1u));
+    let sky = ENVIRONMENT && (SAMPLED_ENVIRONMENT || is_cut_off || (METHOD != METHOD_TRACKED && bounce == 1u));
     let sources = SUN_COUNT + AREA_COUNT;
     let lights = sources + u32(sky);
     let cached = CACHED_SHADOWS && sample < slice.cached_shadows;
@@ -137,7 +137,7 @@ fn lit(
         var share: vec3<f32>;
         var diffuse_share: vec3<f32>;
         // Directions by a sky's light see other shadows than those by the phase.
-        let known = entry + i + u32(DRAWN_SKY && !is_source && u.x >= PHASE_SHARE);
+        let known = entry + i + u32(SAMPLED_ENVIRONMENT && !is_source && u.x >= PHASE_SHARE);
         if is_source {
             let light = from_lamp(i, at, u.xy);
             towards_light = sheet_from_world(rotation, light.direction);
@@ -175,7 +175,7 @@ fn trace_path(camera_ray: Ray, film: vec4<f32>, seed: u32, sample: u32) -> Path 
             path = Path(vec3<f32>(), at);
         } else if at.what == NOTHING {
             // After the first scattering of `single` and `layered` the environment has been counted already.
-            if SHADOWS && !DRAWN_SKY && (METHOD == METHOD_TRACKED || bounce > 2u) {
+            if SHADOWS && !SAMPLED_ENVIRONMENT && (METHOD == METHOD_TRACKED || bounce > 2u) {
                 path.radiance += throughput * environment_radiance(ray.direction);
             }
             break;
@@ -194,14 +194,14 @@ fn trace_path(camera_ray: Ray, film: vec4<f32>, seed: u32, sample: u32) -> Path 
         if METHOD != METHOD_TRACKED && !LONG_PATHS {
             break;
         }
-        if bounce == slice.bounces && (!ENVIRONMENT || DRAWN_SKY) {
+        if bounce == slice.bounces && (!ENVIRONMENT || SAMPLED_ENVIRONMENT) {
             break;
         }
         let onward = sample_set(seed, sample, set_at(bounce, SET_ONWARD));
         let drawn = draw_direction(at, towards_eye, onward.xy);
         let onward_direction = world_from_sheet(rotation, drawn.direction);
         throughput *= drawn.weight;
-        if !SHADOWS && !DRAWN_SKY && (METHOD == METHOD_TRACKED || bounce > 1u) {
+        if !SHADOWS && !SAMPLED_ENVIRONMENT && (METHOD == METHOD_TRACKED || bounce > 1u) {
             // Nothing is between the point and the environment: no ray needs to find out.
             path.radiance += throughput * environment_radiance(onward_direction);
             if bounce == slice.bounces {

@@ -66,7 +66,7 @@ fn write_noise(path: &Path, width: u32, height: u32) {
     noise.save(path).expect("a picture");
 }
 
-/// The same apart from the names of the images.
+/// A design apart from the names of its images.
 #[track_caller]
 fn assert_same_cloth(design: &Design, expected: &Design) {
     let (mut design, mut expected) = (design.clone(), expected.clone());

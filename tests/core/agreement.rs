@@ -50,7 +50,7 @@ pub fn thin_towel() -> Design {
     design
 }
 
-/// The same before a bright wall: what is seen is what passes through.
+/// The towel before a bright wall: what is seen is what passes through.
 pub fn backlit_towel() -> Design {
     let mut design = thin_towel();
     design.light.sun.clear();

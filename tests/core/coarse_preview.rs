@@ -1,4 +1,4 @@
-//! Scenes for a first look: rays meet in them what they meet in the whole scene.
+//! Scenes for a coarse preview: rays meet in them what they meet in the whole scene.
 
 use std::sync::Arc;
 
@@ -39,7 +39,7 @@ fn coarse(scene: &Arc<Scene>, design: &Design, camera: &Camera, size: [u32; 2]) 
         .collect()
 }
 
-/// Coarse pictures of the whole scene and of the one for a first look, and the share of loops that the latter has.
+/// Coarse pictures of the whole scene and of the one for a coarse preview, and the share of loops that the latter has.
 fn both(
     design: &Design,
     camera: &CameraDesign,

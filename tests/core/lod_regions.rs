@@ -21,7 +21,7 @@ pub fn compiled(design: &Design, region: LodRegion) -> Arc<Scene> {
     scene.unwrap()
 }
 
-/// The same picture from a region.
+/// The request for a picture, drawn from a region.
 fn of_region(request: &RenderRequest, design: &Design, region: LodRegion) -> RenderRequest {
     RenderRequest {
         view: LodView::of(

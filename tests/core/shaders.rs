@@ -84,7 +84,7 @@ fn key_of(values: &[usize; 24]) -> PipelineKey {
         environment: on(12),
         shadows: on(13),
         owen: on(14),
-        drawn_sky: on(15),
+        sampled_environment: on(15),
         cached_shadows: on(16),
         bent: on(17),
         levels: on(18),

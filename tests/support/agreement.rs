@@ -20,7 +20,7 @@ const BLOCKS: usize = 4;
 pub struct Power {
     /// Relative bias of the whole picture that is found nineteen times in twenty.
     pub whole: f64,
-    /// The same in the median pixel that is not black.
+    /// Relative bias of the median pixel that is not black, found as often.
     pub pixel: f64,
 }
 

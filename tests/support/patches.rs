@@ -73,14 +73,14 @@ impl Case {
         }
     }
 
-    /// The same patch in f64.
+    /// The patch in f64.
     pub fn patch(&self) -> BilinearPatch {
         let [g, c, e, m] =
             [self.half_base, self.axis, self.half_top, self.middle].map(Vec3::as_dvec3);
         BilinearPatch::from_corners([m - g, m + g, m + c + e, m + c - e])
     }
 
-    /// The same ray in f64, relative to the patch's cell. Its direction has unit length in f64 too, which moves points
+    /// The ray in f64, relative to the patch's cell. Its direction has unit length in f64 too, which moves points
     /// on it by no more than a rounding of t.
     pub fn ray(&self) -> Ray {
         let cell = DVec2::new(f64::from(self.cell[0]), f64::from(self.cell[1]));

@@ -41,7 +41,7 @@ pub struct PipelineKey {
     /// How it varies: `SKY_*`.
     pub sky: u32,
     /// Directions to it are drawn by its light.
-    pub drawn_sky: bool,
+    pub sampled_environment: bool,
     /// First samples may take their shadows from a cache, which the device has room for.
     pub cached_shadows: bool,
     /// The cloth is bent.
@@ -94,7 +94,7 @@ impl PipelineKey {
                 Sky::Image { .. } if environment => constants::SKY_IMAGE,
                 _ => constants::SKY_UNIFORM,
             },
-            drawn_sky: environment && scene.lights.sky.drawn().is_some(),
+            sampled_environment: environment && scene.lights.sky.importance_table().is_some(),
             cached_shadows: false,
             bent: scene.form.is_some(),
             levels: false,
@@ -145,7 +145,7 @@ impl PipelineKey {
             flag("SHADOWS", self.shadows),
             flag("OWEN", self.owen),
             ("SKY", self.sky.into()),
-            flag("DRAWN_SKY", self.drawn_sky),
+            flag("SAMPLED_ENVIRONMENT", self.sampled_environment),
             flag("CACHED_SHADOWS", self.cached_shadows),
             flag("BENT", self.bent),
             flag("LEVELS", self.levels),

@@ -7,7 +7,7 @@ use glam::DVec3;
 use crate::sampling::{Set, directions};
 use crate::scene::{AreaLight, Lights, SunLight};
 
-/// One of them.
+/// A sun or an area light.
 #[derive(Debug, Clone, Copy)]
 pub enum Light<'a> {
     /// Parallel light but for the width of its disc.

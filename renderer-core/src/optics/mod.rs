@@ -12,6 +12,6 @@ pub(crate) mod surface;
 
 pub use light::Light;
 pub use multiple_scattering::{Visibility, multiple_scattering};
-pub use scatter::{EnvironmentSample, Lobe, Optics, Vertex};
+pub use scatter::{EnvironmentSample, Exposure, Lobe, Optics, Vertex};
 pub use sky::environment_radiance;
 pub use surface::SurfaceOptics;

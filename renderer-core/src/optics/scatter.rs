@@ -59,6 +59,49 @@ pub enum Lobe {
     },
 }
 
+/// To which half of the sky a point of the cloth looks, and how often.
+#[derive(Debug, Clone, Copy)]
+pub struct Exposure {
+    /// The side of the sheet that the point is on: 1 the front, −1 the back.
+    pub up: f64,
+    /// Share of the directions that go to the other side, for points that scatter equally to all: see
+    /// [`Skeleton::worth_looking_down`].
+    pub down: f64,
+    /// How directions of the sheet are turned into the world's where the cloth is bent.
+    pub world_from_sheet: Option<DMat3>,
+}
+
+impl Exposure {
+    fn to_world(self, direction: DVec3) -> DVec3 {
+        let rotation = self.world_from_sheet;
+        rotation.map_or(direction, |rotation| rotation * direction)
+    }
+
+    fn to_sheet(self, direction: DVec3) -> DVec3 {
+        let rotation = self.world_from_sheet;
+        rotation.map_or(direction, |rotation| rotation.transpose() * direction)
+    }
+
+    /// Share of the directions in the world that go to the other half: points of bent cloth may see as much of it as of
+    /// their own.
+    fn down_in_world(self) -> f64 {
+        if self.world_from_sheet.is_some() {
+            0.5
+        } else {
+            self.down
+        }
+    }
+
+    /// The share of the half that a direction is in, where the other half has the share `down`.
+    fn half_share(self, direction: DVec3, down: f64) -> f64 {
+        if direction.z * self.up < 0.0 {
+            down
+        } else {
+            1.0 - down
+        }
+    }
+}
+
 impl Lobe {
     /// Of `gradient_lambert` where ρ changes by `gradient` per mm: the surface faces n = −∇ρ/|∇ρ|, and is one in the
     /// share x²/(1 + x²), where x = |∇ρ|·`thickness` is how much ρ changes over the loop's thickness. A yarn's skin,
@@ -260,65 +303,53 @@ impl Optics {
         }
     }
 
-    /// A direction of light from `sky`, from three numbers in [0, 1), for a point on the side of the sheet that `up` =
-    /// ±1 tells. It follows the phase, and that of a drawn sky mostly the sky's light (one-sample balance heuristic:
-    /// Veach 1997, §9.2.4). Points that scatter equally look to the other side in the share `down` only: see
-    /// [`Skeleton::worth_looking_down`]. `turn` tells how bent cloth lies there: it may see as much of the lower half
-    /// of the sky as of the upper.
+    /// A direction of light from `sky`, from numbers in [0, 1): two for the direction, and one for the half of the sky.
+    /// It follows the phase, and that of an importance-sampled environment mostly the light of its picture (one-sample
+    /// balance heuristic: Veach 1997, §9.2.4).
     #[inline(always)]
     pub fn sample_sky(
         &self,
         sky: &Sky,
         lobe: Lobe,
         view: DVec3,
-        sides: [f64; 2],
-        [u, v, side]: [f64; 3],
-        turn: Option<DMat3>,
+        exposure: Exposure,
+        [u, v]: [f64; 2],
+        half: f64,
     ) -> EnvironmentSample {
-        let into_world = |direction: DVec3| turn.map_or(direction, |turn| turn * direction);
-        let Some((light, middle)) = sky.drawn() else {
-            let (direction, weight) = self.sample_environment(lobe, view, sides, [u, v, side]);
+        let Some((light, middle)) = sky.importance_table() else {
+            let (direction, weight) = self.sample_by_phase(lobe, view, exposure, [u, v], half);
             return EnvironmentSample {
                 direction,
-                in_world: into_world(direction),
+                in_world: exposure.to_world(direction),
                 weight,
                 by_light: false,
             };
         };
-        let [up, down] = sides;
-        let down_in_world = if turn.is_some() { 0.5 } else { down };
         // One number chooses between the two and goes on in its part, so that each of them is spread evenly. In f32,
         // since the texel that it finds must be the same on all devices.
-        let (share, rest) = (Sky::PHASE_SHARE, 1.0 - Sky::PHASE_SHARE);
-        let by_light = u as f32 >= share;
+        let (phase_share, light_share) = (Sky::PHASE_SHARE, 1.0 - Sky::PHASE_SHARE);
+        let by_light = u as f32 >= phase_share;
         let (direction, in_world) = if by_light {
-            let below = (side < down_in_world) != (up < 0.0);
-            let u = (u as f32 - share) * (1.0 / rest);
-            let in_world = light.direction(below, [u.min(BELOW_ONE), v as f32], middle);
-            let direction = turn.map_or(in_world, |turn| turn.transpose() * in_world);
-            (direction, in_world)
+            let is_below = (half < exposure.down_in_world()) != (exposure.up < 0.0);
+            let u = (u as f32 - phase_share) * (1.0 / light_share);
+            let in_world = light.direction(is_below, [u.min(BELOW_ONE), v as f32], middle);
+            (exposure.to_sheet(in_world), in_world)
         } else {
-            let u = u / f64::from(share);
+            let u = u / f64::from(phase_share);
             let direction = match lobe {
                 // What draws fibres cannot tell its density.
                 Lobe::Fibres { normal, .. } => directions::cosine_hemisphere(normal, u, v),
-                _ => self.sample_environment(lobe, view, sides, [u, v, side]).0,
+                _ => self.sample_by_phase(lobe, view, exposure, [u, v], half).0,
             };
-            (direction, into_world(direction))
-        };
-        let half = |direction: DVec3, down: f64| {
-            if direction.z * up < 0.0 {
-                down
-            } else {
-                1.0 - down
-            }
+            (direction, exposure.to_world(direction))
         };
         let by_phase = match lobe {
-            Lobe::Isotropic => half(direction, down) * 0.5 * FRAC_1_PI,
+            Lobe::Isotropic => exposure.half_share(direction, exposure.down) * 0.5 * FRAC_1_PI,
             _ => self.density(lobe, view, direction),
         };
-        let of_light = half(in_world, down_in_world) * light.density(in_world, middle);
-        let density = f64::from(share) * by_phase + f64::from(rest) * of_light;
+        let of_light = exposure.half_share(in_world, exposure.down_in_world())
+            * light.density(in_world, middle);
+        let density = f64::from(phase_share) * by_phase + f64::from(light_share) * of_light;
         EnvironmentSample {
             direction,
             in_world,
@@ -339,20 +370,21 @@ impl Optics {
         }
     }
 
-    /// A direction to the environment that follows the phase alone, and ψ/albedo over its density; points that scatter
-    /// equally look to the other side of the sheet in the share `down`.
-    fn sample_environment(
+    /// A direction to the environment that follows the phase alone, and ψ/albedo over its density.
+    fn sample_by_phase(
         &self,
         lobe: Lobe,
         view: DVec3,
-        [up, down]: [f64; 2],
-        [u, v, side]: [f64; 3],
+        exposure: Exposure,
+        [u, v]: [f64; 2],
+        half: f64,
     ) -> (DVec3, f64) {
         if lobe != Lobe::Isotropic {
             return self.sample(lobe, view, [u, v]);
         }
+        let Exposure { up, down, .. } = exposure;
         let DVec3 { x, y, z } = directions::sphere(0.5 * u, v);
-        if side < down {
+        if half < down {
             (DVec3::new(x, y, -up * z), 0.5 / down)
         } else {
             (DVec3::new(x, y, up * z), 0.5 / (1.0 - down))

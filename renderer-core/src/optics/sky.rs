@@ -62,15 +62,15 @@ fn bilinear(image: &EnvironmentImage, column: f64, row: f64) -> DVec3 {
 }
 
 impl Sky {
-    /// Share of the directions to a drawn sky that follow the phase all the same: what a picture's light does not tell
-    /// is which part of it is shaded.
+    /// Share of the directions to an importance-sampled environment that follow the phase all the same: what a
+    /// picture's light does not tell is which part of it is shaded.
     pub const PHASE_SHARE: f32 = 0.25;
 
     /// The light of a picture that directions are drawn by, and the azimuth of its middle, radians; `None` if they
     /// follow the phase alone. Light of such a sky comes by shadow rays only, at every scattering, never by paths that
     /// leave the cloth.
     #[inline(always)]
-    pub fn drawn(&self) -> Option<(&PiecewiseConstant2D, f64)> {
+    pub fn importance_table(&self) -> Option<(&PiecewiseConstant2D, f64)> {
         match self {
             Self::Image { image, middle } if image.light().is_uneven() => {
                 Some((image.light(), *middle))

@@ -115,7 +115,9 @@ impl ShadowGrid {
             shift,
             layers_below: below,
             layer_mm,
-            lights: scene.lights.count() as u32 + 1 + u32::from(scene.lights.sky.drawn().is_some()),
+            lights: scene.lights.count() as u32
+                + 1
+                + u32::from(scene.lights.sky.importance_table().is_some()),
             cells,
             pitch_mm,
         }

@@ -3,7 +3,8 @@
 //! The method decides how the camera's ray and the shadow rays from its first point gather light; from there on paths
 //! are tracked. Environment light comes by its own shadow ray at the first point of all methods but `tracked` and where
 //! a path is cut off, everywhere else by the onward ray if that leaves the cloth: never by both. A sky whose light
-//! tells where to look ([`Sky::drawn`](crate::scene::Sky::drawn)) is reached by a shadow ray everywhere.
+//! tells where to look ([`Sky::importance_table`](crate::scene::Sky::importance_table)) is reached by a shadow ray
+//! everywhere.
 
 use std::f64::consts::FRAC_1_PI;
 
@@ -13,7 +14,9 @@ use super::medium::{Medium, PathInputs, Start};
 use crate::design::Method;
 use crate::geometry::Ray;
 use crate::optics::limits::ROULETTE_FROM;
-use crate::optics::{Light, Vertex, Visibility, environment_radiance, multiple_scattering};
+use crate::optics::{
+    Exposure, Light, Vertex, Visibility, environment_radiance, multiple_scattering,
+};
 use crate::render::accumulation::{FirstHit, Sample};
 use crate::sampling::{self, Pcg, Set};
 
@@ -94,7 +97,7 @@ impl<'a, M: Medium> PathTracer<'a, M> {
         let lights = &scene.lights;
         let path_cutoff = settings.path_cutoff();
         let has_environment = lights.environment != [0.0; 3];
-        let is_drawn = lights.sky.drawn().is_some();
+        let is_sampled = lights.sky.importance_table().is_some();
         let [x, y, pick, choice] = self.random(Set::Film);
         let [column, row] = pixel.map(f64::from);
         let (origin, direction) = camera.ray(DVec2::new(column + x, row + y), size);
@@ -132,7 +135,7 @@ impl<'a, M: Medium> PathTracer<'a, M> {
             let gather = Gather {
                 bounce,
                 composited,
-                sees_sky: has_environment && (composited || is_cut_off || is_drawn),
+                sees_sky: has_environment && (composited || is_cut_off || is_sampled),
                 orders: if is_cut_off {
                     settings.bounces - bounce
                 } else {
@@ -140,7 +143,7 @@ impl<'a, M: Medium> PathTracer<'a, M> {
                 },
             };
             radiance += throughput * vertex.albedo * self.light(&vertex, view, gather);
-            let follows_environment = has_environment && !composited && !is_drawn;
+            let follows_environment = has_environment && !composited && !is_sampled;
             if is_cut_off || bounce == settings.bounces && !follows_environment {
                 break;
             }
@@ -258,10 +261,12 @@ impl<'a, M: Medium> PathTracer<'a, M> {
             };
         }
         let [u, v, side, _] = self.random(Set::Environment { bounce });
-        let sides = [1.0_f64.copysign(vertex.position.z), looks_down];
-        let rotation = scene.form.is_some().then_some(vertex.world_from_sheet);
-        let numbers = [u, v, side];
-        let drawn = optics.sample_sky(&lights.sky, vertex.lobe, view, sides, numbers, rotation);
+        let exposure = Exposure {
+            up: 1.0_f64.copysign(vertex.position.z),
+            down: looks_down,
+            world_from_sheet: scene.form.is_some().then_some(vertex.world_from_sheet),
+        };
+        let drawn = optics.sample_sky(&lights.sky, vertex.lobe, view, exposure, [u, v], side);
         let light = environment_radiance(lights, drawn.in_world) * drawn.weight;
         LightSample {
             direction: drawn.direction,

@@ -1,4 +1,4 @@
-//! The same picture by every backend that this machine has, in turns.
+//! One picture by every backend that this machine has, in turns.
 
 use std::fmt::Write as _;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! The same cloth from farther and farther: what its levels of detail cost beside the whole, and how far their pictures
+//! One cloth from farther and farther: what its levels of detail cost beside the whole, and how far their pictures
 //! are from its.
 
 use std::fmt::Write as _;

@@ -29,7 +29,7 @@ fn carpet(along_warps: bool, at: u32) -> Design {
     design
 }
 
-/// The same without disorder, so that a cloth repeats with its pattern of 4 × 4.
+/// The far cloth without disorder, so that a cloth repeats with its pattern of 4 × 4.
 fn ordered(mut design: Design) -> Design {
     design.weave.pattern = Pattern::try_from(vec![
         vec![7, 0, 9, 0],

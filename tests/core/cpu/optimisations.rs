@@ -47,7 +47,7 @@ fn requests(method: Method) -> Vec<RenderRequest> {
         .collect()
 }
 
-/// The same samples to rounding, but for a few at edges.
+/// Fails unless samples are alike to rounding, but for a few at edges.
 fn assert_same(request: &RenderRequest, on: &Picture, off: &Picture) {
     let near = |(a, b): (&[f32; 4], &[f32; 4])| {
         (0..4).all(|c| (a[c] - b[c]).abs() <= ROUNDING * a[c].abs().max(1.0))

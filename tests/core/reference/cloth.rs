@@ -38,7 +38,7 @@ pub fn block(layers: u32) -> Scene {
     blocks(layers, 1, 13.3)
 }
 
-/// The same, several side by side along x, a cell each.
+/// Several of these blocks side by side along x, a cell each.
 pub fn blocks(layers: u32, warps: u32, warps_per_cm: f64) -> Scene {
     let mut design = Design::default();
     (design.sheet.warps, design.sheet.wefts) = (warps, 1);

@@ -207,7 +207,7 @@ fn a_deep_isotropic_block_is_lit_from_the_right_side() {
     }
 }
 
-/// The same towel under a constant light, a gradient of that colour everywhere, and a picture of it.
+/// A towel under a constant light, a gradient of that colour everywhere, and a picture of it.
 fn equal_surroundings() -> [Design; 3] {
     let mut constant = small_towel();
     let colour = Colour([200, 120, 40]);

@@ -69,7 +69,7 @@ fn finite(picture: &Picture) -> bool {
         .all(|value| value.is_finite() && *value >= 0.0)
 }
 
-/// The same samples by the methods that draw them, and finite ones by the others.
+/// Samples that agree by the methods that draw them, and finite ones by the others.
 fn assert_agree(exact: &mut GpuBackend, what: &str, design: &Design, methods: &[Method]) {
     let mut design = design.clone();
     for &method in methods {

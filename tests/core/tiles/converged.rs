@@ -32,7 +32,7 @@ fn uneven_towel() -> RenderRequest {
     request
 }
 
-/// The same picture without an error to reach.
+/// The picture without an error to reach.
 fn plain(request: &RenderRequest, samples: u32) -> RenderRequest {
     let mut request = request.clone();
     (request.settings.samples, request.settings.error) = (samples, 0.0);

@@ -167,7 +167,7 @@ fn a_small_sun_in_a_picture_lights_by_its_closed_form() {
         lit_by(&mut design, sun_in_sky(512, at, 3.0, 1000.0, 0.1));
         design.light.environment.rotation = rotation;
         let scene = compile(&design).unwrap();
-        assert!(scene.lights.sky.drawn().is_some());
+        assert!(scene.lights.sky.importance_table().is_some());
         for (name, mut backend, methods) in all() {
             for normal in [DVec3::Z, DVec3::X] {
                 let expected =
@@ -231,7 +231,7 @@ fn all_backends_draw_the_same_samples_of_a_drawn_sky() {
         lit_by(&mut design, image);
         design.light.environment.rotation = -35.0;
         let request = request_of(closed(&design, traced_bounces), [48, 40]);
-        assert!(request.scene().lights.sky.drawn().is_some());
+        assert!(request.scene().lights.sky.importance_table().is_some());
         let expected = on_reference(&request);
         shows_something(&expected).unwrap();
         design.light.environment.rotation += 0.3;
@@ -266,7 +266,8 @@ fn sunny(edit: &dyn Fn(&mut Design)) -> (Design, Sun) {
 
 #[test]
 fn a_sun_in_a_picture_is_a_sun_whatever_the_bounces() {
-    // Light of a drawn sky that came by the way on as well, or not at every scattering, would make another picture.
+    // Light of an importance-sampled environment that came by the way on as well, or not at every scattering, would
+    // make another picture.
     type Edit<'a> = (&'a str, &'a dyn Fn(&mut Design));
     let edits: [Edit<'_>; 1] = [("tracked", &|_| {})];
     for (what, edit) in edits {
@@ -293,7 +294,7 @@ fn a_sun_in_a_picture_is_a_sun_whatever_the_bounces() {
             let mut drawn = |radiance: f64| {
                 design.light.environment.radiance = radiance;
                 let request = request_of(&design, [16, 12]);
-                assert!(request.scene().lights.sky.drawn().is_some());
+                assert!(request.scene().lights.sky.importance_table().is_some());
                 repeats(backend, &request, 900)
             };
             let (same, brighter) = (drawn(radiance), drawn(1.1 * radiance));
@@ -357,8 +358,8 @@ fn looking_by_light_and_by_the_phase_draw_the_same_picture() {
         };
         let by_phase = request(&mut design, image.drawn_by_phase());
         let by_light = request(&mut design, image.clone());
-        assert!(by_phase.scene().lights.sky.drawn().is_none());
-        assert!(by_light.scene().lights.sky.drawn().is_some());
+        assert!(by_phase.scene().lights.sky.importance_table().is_none());
+        assert!(by_light.scene().lights.sky.importance_table().is_some());
         let expected = repeats(&mut reference(), &by_phase, 40);
         for backend in [
             &mut reference() as &mut dyn Backend,

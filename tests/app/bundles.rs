@@ -218,7 +218,7 @@ fn a_picture_carries_its_design() {
 }
 
 #[test]
-fn large_images_stay_in_their_files_and_that_is_told() {
+fn large_images_stay_in_their_files_and_that_is_reported() {
     let shop = Workshop::new();
     // Three bytes a pixel that cannot be packed: 4.4 MB, just too large.
     write_noise(&shop.at("charts/Blüten muster.png"), 1400, 1100);

@@ -344,7 +344,7 @@ fn the_gpu_draws_on_the_windows_own_device() {
 }
 
 #[test]
-fn faults_of_a_preset_are_told_with_their_lines_and_nothing_is_lost() {
+fn faults_of_a_preset_are_reported_with_their_lines_and_nothing_is_lost() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("broken.toml");
     std::fs::write(

@@ -50,7 +50,7 @@ fn pictures_of_all_kinds_are_read_as_grey() {
 }
 
 #[test]
-fn a_picture_that_cannot_be_read_is_told() {
+fn a_picture_that_cannot_be_read_is_reported() {
     let (folder, preset) = folder_with_preset();
     let message = || files::load_design(&preset).unwrap_err().to_string();
     let missing = message();

@@ -53,7 +53,7 @@ fn a_combed_map_is_written_beside_its_preset_and_comes_back() {
 }
 
 #[test]
-fn a_map_that_cannot_be_read_is_told() {
+fn a_map_that_cannot_be_read_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let preset = folder.path().join("rug.toml");
     fs::write(&preset, "format = 1\n[nap]\nimage = \"gone.png\"\n").unwrap();

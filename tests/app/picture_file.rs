@@ -382,7 +382,7 @@ fn what_is_cancelled_leaves_the_old_file_alone() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_full_disk_is_told_and_nothing_is_left() {
+fn a_full_disk_is_reported_and_nothing_is_left() {
     let folder = folder();
     for name in ["full.png", "full.exr"] {
         std::os::unix::fs::symlink("/dev/full", folder.path().join(name)).unwrap();

@@ -133,7 +133,7 @@ fn without(skip: Optimisation) -> Optimisations {
 }
 
 #[test]
-fn sections_are_kept_unless_told_otherwise_and_that_changes_nothing() {
+fn sections_are_kept_by_default_and_that_changes_nothing() {
     let edits: [fn(&mut Design); 8] = [
         |_| (),
         |d| d.weave.pattern = Pattern::filled(1, 1, 9),

@@ -55,7 +55,7 @@ fn large_pictures_are_reduced_by_area() {
 }
 
 #[test]
-fn light_below_zero_and_beyond_all_suns_is_mended_and_told() {
+fn light_below_zero_and_beyond_all_suns_is_mended_and_reported() {
     let image = read(4, |x, y| match (x, y) {
         (0, 0) => [-0.5, 2.0, 0.0],
         (1, 0) => [f32::INFINITY, 1.0, 1.0],

@@ -474,7 +474,7 @@ fn neighbouring_loops_share_a_lie() {
 }
 
 #[test]
-fn the_designer_is_told_what_was_changed() {
+fn what_was_changed_is_reported() {
     let mut design = plain();
     design.pile.top_width = 25.0;
     design.pile.base_width = 1.0;

@@ -253,7 +253,7 @@ fn a_picture_larger_than_a_buffer_is_the_same() {
 }
 
 #[test]
-fn what_is_beyond_the_adapter_is_told_with_numbers() {
+fn what_is_beyond_the_adapter_is_reported_with_numbers() {
     let small = lesser_device(|limits| {
         limits.max_storage_buffer_binding_size = 16_384;
         limits.max_texture_dimension_3d = 256;

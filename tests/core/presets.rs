@@ -350,7 +350,7 @@ pattern = [[7, 5], [3, 0]]
 }
 
 #[test]
-fn broken_toml_is_told_with_its_place() {
+fn broken_toml_is_reported_with_its_place() {
     assert_eq!(
         the_fault("format = 1\n[pile\n"),
         "2:6  | not TOML: unclosed table, expected `]`"

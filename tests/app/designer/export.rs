@@ -336,7 +336,7 @@ fn a_time_limit_ends_the_export() {
 }
 
 #[test]
-fn a_fault_is_told_before_anything_is_asked() {
+fn a_fault_is_reported_before_anything_is_asked() {
     let mut harness = super::designer_of_size(None, vec2(1280.0, 1600.0));
     super::open_panel(&mut harness, "Loop length");
     choose(&mut harness, "Lengths", LengthMap::Gray.label());
@@ -352,7 +352,7 @@ fn a_fault_is_told_before_anything_is_asked() {
 }
 
 #[test]
-fn what_the_gpu_cannot_do_is_told_with_what_to_do() {
+fn what_the_gpu_cannot_do_is_reported_with_what_to_do() {
     let folder = tempfile::tempdir().expect("a folder");
     let preset = folder.path().join("six.toml");
     let mut six_face = Design::default();
@@ -391,7 +391,7 @@ fn what_the_gpu_cannot_do_is_told_with_what_to_do() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_full_disk_is_told_and_the_design_goes_on() {
+fn a_full_disk_is_reported_and_the_design_goes_on() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("full.png");
     std::os::unix::fs::symlink("/dev/full", &path).expect("a link");

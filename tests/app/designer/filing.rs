@@ -102,7 +102,7 @@ fn wait_for_label(harness: &mut Harness<'_, App>, label: &str) {
 }
 
 /// Whether a text that contains this is shown.
-fn is_told(harness: &Harness<'_, App>, part: &str) -> bool {
+fn is_reported(harness: &Harness<'_, App>, part: &str) -> bool {
     harness.query_all_by_label_contains(part).count() > 0
 }
 
@@ -173,7 +173,7 @@ fn broken_bundles_change_nothing() {
     type_path(&mut harness, &bundle);
     click(&mut harness, "Open file");
     wait_for_label(&mut harness, "Preset not opened");
-    assert!(is_told(&harness, "broken.towel: is no bundle"));
+    assert!(is_reported(&harness, "broken.towel: is no bundle"));
     assert_eq!(design(&harness).sheet.warps, 77);
     assert!(harness.state().document().is_unsaved());
 }
@@ -273,7 +273,7 @@ fn own_presets_are_kept_searched_copied_renamed_and_deleted() {
     harness.event(egui::Event::Text("../Bold".into()));
     harness.run_steps(2);
     click(&mut harness, "Rename");
-    assert!(is_told(&harness, "A name cannot have any of"));
+    assert!(is_reported(&harness, "A name cannot have any of"));
     assert_eq!(user.names("presets"), ["Bold.towel", "My stripes.towel"]);
 
     more(&mut harness, "My stripes", "Delete…");
@@ -360,15 +360,15 @@ fn settings_are_remembered_and_broken_ones_set_aside() {
 
     fs::write(&file, "theme = \"purple\"\nrecent = 7\n").unwrap();
     let harness = user.start(None);
-    assert!(is_told(&harness, "Settings not read"));
-    assert!(is_told(&harness, "settings.toml.broken"));
+    assert!(is_reported(&harness, "Settings not read"));
+    assert!(is_reported(&harness, "settings.toml.broken"));
     assert_eq!(harness.ctx.zoom_factor(), 1.0);
     assert!(user.at("config/settings.toml.broken").is_file());
     drop(harness);
     // Numbers from elsewhere are brought into range, unknown fields belong to a newer version.
     fs::write(&file, "scale = 900\npanels_width = nan\nfuture = true\n").unwrap();
     let harness = user.start(None);
-    assert!(!is_told(&harness, "Settings not read"));
+    assert!(!is_reported(&harness, "Settings not read"));
     assert_eq!(harness.ctx.zoom_factor(), 2.5);
 }
 
@@ -390,7 +390,7 @@ fn recent_files_are_opened_and_forgotten_when_they_are_gone() {
     click(&mut harness, "Open recent");
     click(&mut harness, "one.toml");
     wait_for_label(&mut harness, "Not opened");
-    assert!(is_told(&harness, "taken off the list of recent files"));
+    assert!(is_reported(&harness, "taken off the list of recent files"));
     click(&mut harness, "File");
     click(&mut harness, "Open recent");
     assert!(harness.query_by_label("one.toml").is_none());
@@ -425,8 +425,8 @@ fn a_design_left_behind_is_recovered_with_its_chart_and_its_file() {
     fs::remove_file(user.at("chart.png")).unwrap();
 
     let mut harness = user.start(None);
-    assert!(is_told(&harness, "Recover unsaved design?"));
-    assert!(is_told(&harness, "one.toml"));
+    assert!(is_reported(&harness, "Recover unsaved design?"));
+    assert!(is_reported(&harness, "one.toml"));
     click(&mut harness, "Later");
     drop(harness);
     let mut harness = user.start(None);
@@ -446,7 +446,7 @@ fn a_design_left_behind_is_recovered_with_its_chart_and_its_file() {
     assert_eq!(saved.chart.pixels, edited.chart.pixels, "with its chart");
     assert_eq!(user.names("state"), [""; 0], "saved: nothing is left");
     let harness = user.start(None);
-    assert!(!is_told(&harness, "Recover unsaved design?"));
+    assert!(!is_reported(&harness, "Recover unsaved design?"));
 }
 
 #[test]
@@ -475,7 +475,7 @@ fn discarded_and_broken_designs_are_not_offered_again() {
         1
     );
     let harness = user.start(None);
-    assert!(!is_told(&harness, "Recover unsaved design?"));
+    assert!(!is_reported(&harness, "Recover unsaved design?"));
 }
 
 #[test]
@@ -506,7 +506,7 @@ fn every_way_out_asks_about_unsaved_changes() {
     ];
     for (way, go) in ways {
         go(&mut harness, &path);
-        assert!(is_told(&harness, "Save changes?"), "{way} does not ask");
+        assert!(is_reported(&harness, "Save changes?"), "{way} does not ask");
         click(&mut harness, "Cancel");
         assert_eq!(design(&harness).sheet.wefts, 44, "{way}");
         assert!(harness.state().document().is_unsaved(), "{way}");
@@ -528,7 +528,7 @@ fn a_file_changed_by_another_program_is_asked_about() {
     let theirs = "format = 1\nsheet.warps = 99\n";
     fs::write(&path, theirs).unwrap();
     key(&mut harness, Modifiers::COMMAND, Key::S);
-    assert!(is_told(&harness, "Replace the changed file?"));
+    assert!(is_reported(&harness, "Replace the changed file?"));
     click(&mut harness, "Cancel");
     assert_eq!(fs::read_to_string(&path).unwrap(), theirs);
     assert!(harness.state().document().is_unsaved());
@@ -547,7 +547,7 @@ fn a_file_changed_by_another_program_is_asked_about() {
 }
 
 #[test]
-fn what_cannot_be_written_is_told_and_stays_in_the_window() {
+fn what_cannot_be_written_is_reported_and_stays_in_the_window() {
     let user = User::new();
     fs::create_dir(user.at("gone")).unwrap();
     let path = user.preset("gone/one.toml");
@@ -563,8 +563,8 @@ fn what_cannot_be_written_is_told_and_stays_in_the_window() {
     fs::remove_dir_all(user.at("gone")).unwrap();
     key(&mut harness, Modifiers::COMMAND, Key::S);
     wait_for_label(&mut harness, "Not saved");
-    assert!(is_told(&harness, "there is no directory"));
-    assert!(is_told(&harness, "Save it to another place"));
+    assert!(is_reported(&harness, "there is no directory"));
+    assert!(is_reported(&harness, "Save it to another place"));
     assert!(harness.state().document().is_unsaved());
     // Elsewhere it works, with the chart that has no file any more.
     key(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
@@ -580,7 +580,7 @@ fn what_cannot_be_written_is_told_and_stays_in_the_window() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_full_disk_and_a_device_are_told() {
+fn a_full_disk_and_a_device_are_reported() {
     let user = User::new();
     let mut harness = user.start(None);
     type_number(&mut harness, "Wefts", "44");
@@ -592,14 +592,14 @@ fn a_full_disk_and_a_device_are_told() {
     click(&mut harness, "Save file");
     click(&mut harness, "Replace file");
     wait_for_label(&mut harness, "Not saved");
-    assert!(is_told(&harness, "No space left"));
+    assert!(is_reported(&harness, "No space left"));
     assert!(harness.state().document().is_unsaved());
     assert_eq!(design(&harness).sheet.wefts, 44);
 }
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_folder_that_takes_no_files_is_told() {
+fn a_folder_that_takes_no_files_is_reported() {
     let user = User::new();
     let mut harness = user.start(None);
     type_number(&mut harness, "Wefts", "44");
@@ -608,7 +608,7 @@ fn a_folder_that_takes_no_files_is_told() {
     type_path(&mut harness, Path::new("/sys/one.toml"));
     click(&mut harness, "Save file");
     wait_for_label(&mut harness, "Not saved");
-    assert!(is_told(&harness, "/sys/one.toml"));
+    assert!(is_reported(&harness, "/sys/one.toml"));
     assert!(harness.state().document().is_unsaved());
     assert_eq!(design(&harness).sheet.wefts, 44);
     // Elsewhere it can be saved.

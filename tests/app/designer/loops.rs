@@ -404,7 +404,7 @@ fn the_loop_turns_under_the_pointer_when_dragged_and_by_keys_and_edits_nothing()
 }
 
 #[test]
-fn a_loop_that_cannot_be_drawn_is_told_and_tried_once() {
+fn a_loop_that_cannot_be_drawn_is_reported_and_tried_once() {
     let tried = Arc::new(Mutex::new(0));
     let counter = Arc::clone(&tried);
     let mut harness = Harness::builder()

@@ -497,7 +497,7 @@ fn a_window_beyond_the_texture_limit_shows_a_smaller_picture_enlarged() {
 }
 
 #[test]
-fn a_panic_of_a_backend_is_told_and_the_next_edit_draws_again() {
+fn a_panic_of_a_backend_is_reported_and_the_next_edit_draws_again() {
     let script = Arc::new(Script::default());
     script.acts.lock().unwrap().push_back(Act::Panic);
     let mut harness = scripted(&script);

@@ -164,7 +164,7 @@ fn a_newer_request_replaces_an_older_one_and_a_forgotten_one_never_comes() {
 }
 
 #[test]
-fn failures_are_told_and_the_next_picture_comes() {
+fn failures_are_reported_and_the_next_picture_comes() {
     let broken: MakeBackend = Arc::new(|_| panic!("no backend"));
     let mut without = ThumbnailRenderer::new(broken, egui::Context::default());
     without.draw(job(key("it"), false, || Ok(few_loops())));

@@ -350,7 +350,7 @@ fn sizes_are_checked() {
 }
 
 #[test]
-fn methods_that_the_fast_renderer_lacks_are_told() {
+fn methods_that_the_fast_renderer_lacks_are_refused() {
     let mut cpu = CpuBackend::default();
     for &method in Method::ALL {
         let begun = cpu.begin(&request(method));
@@ -362,7 +362,7 @@ fn methods_that_the_fast_renderer_lacks_are_told() {
         assert!(matches!(message, RenderError::Method { .. }), "{message}");
         let message = message.to_string();
         assert!(
-            message.contains(&method.name()) && message.contains("--backend reference"),
+            message.contains(&method.name()) && message.contains("the cpu backend"),
             "{message}"
         );
     }

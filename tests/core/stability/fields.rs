@@ -310,7 +310,7 @@ fn many_random_fields_give_finite_pictures() {
 }
 
 #[test]
-fn too_large_is_told_before_memory_is_asked_for() {
+fn too_large_is_reported_before_memory_is_asked_for() {
     let start = Instant::now();
     for (edits, says) in [
         (

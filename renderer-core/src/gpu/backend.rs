@@ -256,7 +256,7 @@ impl Work {
     }
 
     /// Which samples the tiles of the picture have.
-    fn importance_table(&self) -> Drawn {
+    fn drawn(&self) -> Drawn {
         let drawn = self.schedule.drawn();
         Drawn {
             split_tile: self.accumulation.tile_at(drawn.split_tile),

@@ -134,7 +134,7 @@ impl Schedule {
     }
 
     /// What has been drawn.
-    pub fn importance_table(&self) -> Drawn {
+    pub fn drawn(&self) -> Drawn {
         let (before, after) = match self.stride {
             0 if self.next_tile == 0 => ((self.samples, 1), (self.samples, 1)),
             0 => ((self.pass_end, 1), (self.samples, 1)),

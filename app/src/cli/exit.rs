@@ -42,7 +42,7 @@ fn start_log() {
 }
 
 /// The error with what helps. Messages are whole sentences: they name their cause themselves.
-fn message(error: &anyhow::Error) -> String {
+pub fn message(error: &anyhow::Error) -> String {
     let render = error.chain().find_map(|cause| cause.downcast_ref());
     let cloth = error.chain().find_map(|cause| cause.downcast_ref());
     match (render, cloth) {

@@ -10,6 +10,7 @@ use renderer_core::design::Design;
 use renderer_core::render::{Backend, BackendKind, Counters, RenderRequest};
 use renderer_core::scene;
 use towel_designer::backend::{self, BackendChoice};
+use towel_designer::cli::exit;
 use towel_designer::clock::Spent;
 
 use crate::conditions::Conditions;
@@ -97,7 +98,7 @@ pub fn measure(
             Err("time was up".into())
         } else {
             // A machine without a GPU, or a method that it does not draw, is a finding.
-            first(way, &request, deadline).map_err(|error| error.to_string())
+            first(way, &request, deadline).map_err(|error| exit::message(&error))
         };
         lines.push((name, found));
     }

@@ -15,6 +15,7 @@ use std::time::{Duration, Instant};
 use renderer_core::design::Design;
 use renderer_core::render::{Backend, BackendKind, Counters, Optimisation};
 use renderer_core::scene;
+use towel_designer::advice::{Place, with_advice};
 use towel_designer::backend::{self, BackendChoice};
 use towel_designer::clock::Spent;
 
@@ -164,7 +165,8 @@ pub fn measure(
             OptimisationRow::not_measured(optimisation, "time was up")
         } else {
             let gpu = gpu.get_or_insert_with(|| {
-                backend::make(BackendChoice::Gpu).map_err(|error| error.to_string())
+                backend::make(BackendChoice::Gpu)
+                    .map_err(|error| with_advice(&error, Place::CommandLine))
             });
             match gpu {
                 Ok(gpu) => one(&mut **gpu, there)?,

@@ -617,8 +617,7 @@ fn bad_arguments_are_refused_with_value_and_what_is_allowed() {
         2,
         &["rendr"],
         &[
-            "rendr: there is no such preset, nor such a command; commands are render, bench, \
-        pace, edits, check, export, info",
+            "rendr: there is no such preset, nor such a command; commands are render, check, export, info",
         ],
     );
 }

@@ -20,6 +20,8 @@
 //!
 //! The view and the rest of quality belong to requests; no section depends on them. Sections that are cheap are made
 //! anew and kept when equal; loops, looks and volumes have their inputs compared.
+//!
+//! Longer than most files because what each section depends on stands beside what makes it.
 
 use std::sync::Arc;
 use std::time::Instant;

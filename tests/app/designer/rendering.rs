@@ -1,5 +1,7 @@
 //! Rendering for the window: failures of backends are answered and reported, nothing runs when nothing changes, scenes
 //! that nobody waits for are given up.
+//!
+//! Longer than most files because all of it is played by the same scripted backends.
 
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};

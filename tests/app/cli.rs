@@ -505,7 +505,7 @@ fn bad_presets_are_refused_with_file_place_value_and_what_is_allowed() {
         ("format = 1\n[light.environment]\nimage = 'wide.png'\n[chart]\nimage = 'gone.png'", &["bad.toml:3:9: light.environment.image: wide.png: environment image: has 9000 x 1 pixels, allowed are at most 8192 x 4096", "bad.toml:5:9: chart.image: gone.png"]),
         ("format = 1\n[light.environment]\nkind = 'image'", &["bad.toml:2:1: light.environment.image is left out, \
             allowed is the path of an image"]),
-        ("format = 1\n[chart]\nimage = 'bad.toml'", &["bad.toml: chart image: is neither a PNG nor a JPEG file"]),
+        ("format = 1\n[chart]\nimage = 'bad.toml'", &["bad.toml: chart image: is none of PNG, JPEG, WebP"]),
         ("format = 1\n[chart]\nimage = 'cut.png'", &["cut.png: chart image: is broken"]),
         ("format = 1\n[chart]\nimage = 'wide.png'", &["wide.png: chart image: has 9000 x 1 pixels, allowed are at \
             most 8192 x 8192"]),

@@ -48,7 +48,7 @@ fn write_encoded(path: &Path, format: ImageFormat, size: [u32; 2], value: impl F
 }
 
 fn load(path: &Path) -> Result<EnvironmentImage, FileError> {
-    match files::load_image(ImageSlot::Environment, path)? {
+    match files::load_image(ImageSlot::Environment, path)?.pixels {
         ImagePixels::Light(image) => Ok(image),
         other => panic!("{other:?}"),
     }
@@ -115,7 +115,7 @@ fn what_is_no_picture_of_the_surroundings_is_refused_with_what_is_allowed() {
     }
     let cases = [
         ("gone.hdr", "cannot be read: "),
-        ("text.hdr", "is none of .hdr, .exr, .png and .jpg"),
+        ("text.hdr", "is none of .hdr, .exr, PNG, JPEG, WebP"),
         ("cut a.hdr", "is broken: "),
         ("cut a.exr", "is broken: "),
         (

@@ -62,7 +62,7 @@ fn a_picture_that_cannot_be_read_is_reported() {
     fs::write(folder.path().join("heights.png"), "no picture").unwrap();
     let wrong = message();
     assert!(
-        wrong.contains("heights.png: height picture: is neither a PNG nor a JPEG file"),
+        wrong.contains("heights.png: height picture: is none of PNG, JPEG, WebP"),
         "{wrong}"
     );
     let wide = image::GrayImage::new(HeightImage::MAX_SIDE as u32 + 1, 1);

@@ -66,7 +66,7 @@ fn a_map_that_cannot_be_read_is_reported() {
     fs::write(folder.path().join("gone.png"), "no picture").unwrap();
     let message = files::load_design(&preset).unwrap_err().to_string();
     assert!(
-        message.contains("gone.png: nap map: is neither a PNG nor a JPEG file"),
+        message.contains("gone.png: nap map: is none of PNG, JPEG, WebP"),
         "{message}"
     );
 }

@@ -154,7 +154,9 @@ impl Found {
 
     /// Its file if that has the right pixels, or else one made of them.
     fn image(&self, slot: ImageSlot, pixels: &ImagePixels) -> Result<Image, String> {
-        let is_same = |bytes: &&Arc<[u8]>| decode_image(slot, bytes).is_ok_and(|i| i == *pixels);
+        let is_same = |bytes: &&Arc<[u8]>| {
+            decode_image(slot, bytes).is_ok_and(|decoded| decoded.pixels == *pixels)
+        };
         if let Some(bytes) = self.bytes.as_ref().filter(is_same) {
             return Ok(Image {
                 name: self.name.clone(),

@@ -23,8 +23,10 @@ pub struct ImageWords {
     pub owner_keyword: Option<&'static str>,
 }
 
-/// Flat pictures.
-const FLAT: &[&str] = &["png", "jpg", "jpeg"];
+/// Pictures of colours.
+const FLAT: &[&str] = &[
+    "png", "jpg", "jpeg", "webp", "gif", "bmp", "tif", "tiff", "tga", "ppm", "pgm", "pbm", "pnm",
+];
 
 const CHART: ImageWords = ImageWords {
     name: "chart image",
@@ -51,8 +53,11 @@ const NAP: ImageWords = ImageWords {
 const ENVIRONMENT: ImageWords = ImageWords {
     name: "environment image",
     file_stem: "surroundings",
-    endings: &["hdr", "exr", "png", "jpg", "jpeg"],
-    dropped_endings: &["hdr", "exr"],
+    endings: &[
+        "hdr", "exr", "pic", "xyze", "png", "jpg", "jpeg", "webp", "gif", "bmp", "tif", "tiff",
+        "tga", "ppm", "pgm", "pbm", "pnm",
+    ],
+    dropped_endings: &["hdr", "exr", "pic", "xyze"],
     dialog_title: "Open surroundings",
     folder_key: "surroundings",
     not_opened: "Surroundings not opened",

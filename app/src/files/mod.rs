@@ -36,7 +36,7 @@ pub use bundle::{BUNDLE_ENDING, Packer, is_bundle, save_bundle};
 pub use carried::Carried;
 pub use embedded::{Embedded, carries_design, embedded};
 pub use image_words::{ImageWords, dropped, words};
-pub use images::load_image;
+pub use images::{LoadedImage, load_image};
 pub use outline::Outline;
 pub use own_images::OwnImages;
 pub use pipelines::keep_pipelines;

@@ -5,12 +5,12 @@ use std::io;
 use std::path::{Component, Path, PathBuf};
 
 use renderer_core::design::preset::{self, PresetFault};
-use renderer_core::design::{Design, ImagePixels, ImageSlot};
+use renderer_core::design::{Design, ImageSlot};
 
 use super::bundle::{Image, PRESET, Packer, is_bundle, read_bundle, save_bundle};
 use super::embedded::{is_png, read_embedded};
 use super::image_words::words;
-use super::images::{decode_image, load_image};
+use super::images::{LoadedImage, decode_image, load_image};
 use super::own_images::OwnImages;
 use super::{Carried, FileError, LARGEST_PRESET, write_atomically};
 
@@ -130,7 +130,10 @@ impl<'a> Source<'a> {
                 continue;
             };
             match self.read_image(slot, image, self.folder_of_images(is_set)) {
-                Ok(pixels) => slot.set_pixels(&mut design, Some(pixels)),
+                Ok(loaded) => {
+                    slot.set_pixels(&mut design, Some(loaded.pixels));
+                    warnings.extend(loaded.warnings);
+                }
                 Err(ReadError::File(error)) if is_set => return Err(error),
                 Err(error) if self.origin == Origin::Picture => {
                     let (path, name) = (self.path.display(), words(slot).name);
@@ -189,13 +192,21 @@ impl<'a> Source<'a> {
         slot: ImageSlot,
         image: &str,
         folder: Option<&Path>,
-    ) -> Result<ImagePixels, ReadError> {
+    ) -> Result<LoadedImage, ReadError> {
         if let Some(folder) = folder {
             return load_image(slot, &folder.join(image)).map_err(ReadError::File);
         }
         if let Some(bytes) = self.carried.get(image) {
-            return decode_image(slot, bytes)
-                .map_err(|what| ReadError::Carried(format!("{image} {what}")));
+            let of_image = |what: &String| format!("{image} {what}");
+            let decoded = decode_image(slot, bytes);
+            let decoded = decoded.map_err(|what| ReadError::Carried(of_image(&what)))?;
+            let place = self.path.display();
+            return Ok(LoadedImage {
+                pixels: decoded.pixels,
+                warnings: (decoded.notes.iter())
+                    .map(|note| format!("{place}: {}", of_image(note)))
+                    .collect(),
+            });
         }
         // What a picture does not take along, it names by its whole path.
         if self.origin == Origin::Picture && Path::new(image).is_absolute() {

@@ -174,7 +174,9 @@ section! {
             offset_y: i32 = 0, -100_000..=100_000, "wefts";
         }
         others {
-            /// Path of the image, relative to the preset; no image means one colour.
+            /// Path of the image, relative to the preset: PNG, JPEG, WebP, GIF, BMP, TIFF, TGA or PPM, by its colour
+            /// profile or as sRGB. Each palette entry is a yarn: of two with one colour the second is changed by the
+            /// smallest step. No image means one colour.
             #[serde(skip_serializing_if = "Option::is_none")]
             image: Option<String> = None;
             /// How texels are laid over the cells.
@@ -781,8 +783,9 @@ section! {
             /// of 4 to 12 points that pull a smooth surface, which begins and ends in the outermost.
             #[serde(skip_serializing_if = "Vec::is_empty")]
             net: Vec<Vec<[f64; 3]>> = Vec::new();
-            /// Path of the height picture, relative to the preset: PNG (8 or 16 bits) or JPEG, laid over the whole
-            /// cloth. Colours count as their grey, what is transparent as black.
+            /// Path of the height picture, relative to the preset: PNG, TIFF or PGM (8 or 16 bits), or as a chart, laid
+            /// over the whole cloth. Colours count as their grey, what is transparent as black; numbers are taken as
+            /// the file has them, whatever its colour profile.
             #[serde(skip_serializing_if = "Option::is_none")]
             image: Option<String> = None;
             /// The decoded picture; read by the program's file layer, never by serde.
@@ -869,8 +872,8 @@ section! {
             horizon: Colour = Colour([255, 250, 240]);
             /// Colour of the gradient below the cloth.
             ground: Colour = Colour([120, 112, 100]);
-            /// Path of the image, relative to the preset: equirectangular, .hdr or .exr with linear light, .png or .jpg
-            /// as sRGB; up to 8192 × 4096 pixels, averaged down to 1024 × 512.
+            /// Path of the image, relative to the preset: equirectangular, .hdr or .exr with linear light, or as a
+            /// chart, by its colour profile or as sRGB; up to 8192 × 4096 pixels, averaged down to 1024 × 512.
             #[serde(skip_serializing_if = "Option::is_none")]
             image: Option<String> = None;
             /// The decoded image; read by the program's file layer, never by serde.

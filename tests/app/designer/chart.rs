@@ -606,12 +606,12 @@ fn broken_and_too_large_images_are_refused_and_the_old_chart_stays() {
         (
             "text.jpg",
             Some(&b"no image"[..]),
-            "text.jpg: chart image: is neither a PNG nor a JPEG",
+            "text.jpg: chart image: is none of PNG, JPEG, WebP",
         ),
         (
             "empty.png",
             Some(&b""[..]),
-            "empty.png: chart image: is neither",
+            "empty.png: chart image: is none of PNG",
         ),
         (
             "large.png",

@@ -177,7 +177,7 @@ fn a_height_picture_is_opened_undone_and_refused_where_it_belongs() {
     wait(&mut harness, "the error", |h| {
         h.query_by_label("Height picture not opened").is_some()
     });
-    let message = "is neither a PNG nor a JPEG file";
+    let message = "is none of PNG, JPEG, WebP";
     assert!(harness.query_by_label_contains(message).is_some());
     assert_eq!(
         design(&harness).form.pixels,

@@ -67,7 +67,11 @@ pub fn run(export: &Export) -> anyhow::Result<()> {
 }
 
 fn load(arguments: &ExportArguments) -> anyhow::Result<Design> {
-    Ok(files::load_design_with(&arguments.preset, &arguments.set)?)
+    let opened = files::open_design_with(&arguments.preset, &arguments.set)?;
+    for warning in &opened.warnings {
+        eprintln!("warning: {warning}");
+    }
+    Ok(opened.design)
 }
 
 /// Reads the preset and makes sure that the output can be written.

@@ -77,8 +77,7 @@ pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design, commands: &mut 
 /// The height picture: opening it, and how it looks.
 fn height(ui: &mut Ui, state: &mut State, form: &mut Form, commands: &mut Vec<Command>) {
     let open = ui.button("Open height picture…");
-    let what =
-        "Chooses a grey picture, PNG or JPEG, that covers the cloth: the brighter, the higher.";
+    let what = "Chooses a grey picture that covers the cloth: the brighter, the higher.";
     if open.on_hover_text(what).clicked() {
         commands.push(Command::OpenImage(ImageSlot::Height));
     }

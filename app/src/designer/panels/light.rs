@@ -187,8 +187,8 @@ fn picture(
     let open = ui.button("Open surroundings…");
     if open
         .on_hover_text(
-            "Chooses an equirectangular image: .hdr or .exr with linear light, .png or .jpg. An .hdr or .exr can \
-             also be dropped on the window.",
+            "Chooses an equirectangular image: .hdr or .exr with linear light, or a picture as .png or .jpg. An .hdr \
+             or .exr can also be dropped on the window.",
         )
         .clicked()
     {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use egui::Context;
-use renderer_core::design::{ImagePixels, ImageSlot};
+use renderer_core::design::ImageSlot;
 
 use crate::designer::app::App;
 use crate::designer::document::Document;
@@ -11,12 +11,12 @@ use crate::designer::shell::command::Command;
 use crate::designer::shell::dialogs::Purpose;
 use crate::designer::shell::questions::Question;
 use crate::designer::tasks::{Poll, Task};
-use crate::files::{self, FileError, Opened, OwnImages, Shipped};
+use crate::files::{self, FileError, LoadedImage, Opened, OwnImages, Shipped};
 
 /// A file that was read on another thread.
 pub(super) enum Loaded {
     Design(PathBuf, Result<Box<(Opened, OwnImages)>, FileError>),
-    Image(ImageSlot, PathBuf, Result<ImagePixels, FileError>),
+    Image(ImageSlot, PathBuf, Result<LoadedImage, FileError>),
 }
 
 impl App {
@@ -50,8 +50,8 @@ impl App {
         self.filing.remember_folder(folder_key, &path);
         self.filing.loading = Some(Task::start(ctx, move || {
             let path = std::path::absolute(&path).unwrap_or(path);
-            let pixels = files::load_image(slot, &path);
-            Loaded::Image(slot, path, pixels)
+            let image = files::load_image(slot, &path);
+            Loaded::Image(slot, path, image)
         }));
     }
 
@@ -75,7 +75,7 @@ impl App {
                 self.take_opened(path, opened, own_images);
             }
             Some(Loaded::Design(path, Err(error))) => self.tell_not_opened(&path, &error),
-            Some(Loaded::Image(slot, path, Ok(pixels))) => self.take_image(slot, &path, pixels),
+            Some(Loaded::Image(slot, path, Ok(image))) => self.take_image(slot, &path, image),
             Some(Loaded::Image(slot, _, Err(error))) => {
                 let heading = files::words(slot).not_opened;
                 self.shell.notices.error(heading, error.to_string());
@@ -83,14 +83,25 @@ impl App {
         }
     }
 
-    fn take_image(&mut self, slot: ImageSlot, path: &Path, pixels: ImagePixels) {
+    fn take_image(&mut self, slot: ImageSlot, path: &Path, image: LoadedImage) {
+        self.warn_of_images(&image.warnings);
         let design = &mut self.document.design;
         *slot.path_mut(design) = Some(path.to_string_lossy().into_owned());
-        slot.set_pixels(design, Some(pixels));
+        slot.set_pixels(design, Some(image.pixels));
         slot.show(design);
         if slot == ImageSlot::Height {
             // Another form is seldom where the last one was.
             self.viewport.fit(&self.document.design);
+        }
+    }
+
+    /// Tells what of images could not be understood or is damaged, until it is dismissed.
+    fn warn_of_images(&mut self, warnings: &[String]) {
+        if !warnings.is_empty() {
+            let text = warnings.join("\n");
+            self.shell
+                .notices
+                .error("Opened, but not as it was meant", text);
         }
     }
 
@@ -159,8 +170,8 @@ impl App {
                 Some(slot) => self.shell.commands.push(Command::UseImage(slot, path)),
                 None => {
                     let text = format!(
-                        "{}: drop a design (.toml, .towel, or a .png exported here), a chart image (.png, .jpg) or an \
-                         image of the surroundings (.hdr, .exr).",
+                        "{}: drop a design (.toml, .towel, or a .png exported here), a chart image (.png, .jpg, .webp, \
+                         .gif, .bmp, .tif, .tga, .ppm) or an image of the surroundings (.hdr, .exr).",
                         path.display()
                     );
                     self.shell.notices.error("Not opened", text);

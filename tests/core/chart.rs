@@ -30,7 +30,7 @@ fn chart(pixels: ChartImage, fit: Fit) -> Chart {
 
 /// Column and row of the texel that each cell of a weft uses.
 fn row_of_texels(chart: &Chart, [warps, wefts]: [u32; 2], j: usize) -> Vec<[u8; 2]> {
-    let on_sheet = ChartOnSheet::new(chart, warps, wefts);
+    let on_sheet = ChartOnSheet::pixel_by_pixel(chart, [warps, wefts]);
     let texel = |i| on_sheet.colour(i, j).map(|[x, y, _]| [x, y]).unwrap();
     (0..warps as usize).map(texel).collect()
 }
@@ -96,7 +96,7 @@ fn repeats_are_mirrored_and_dropped() {
 #[test]
 fn a_placed_chart_lies_once_where_it_should() {
     let colours = |chart: &Chart, [warps, wefts]: [u32; 2]| -> Vec<Vec<[u8; 3]>> {
-        let on_sheet = ChartOnSheet::new(chart, warps, wefts);
+        let on_sheet = ChartOnSheet::pixel_by_pixel(chart, [warps, wefts]);
         // From the far edge, as one looks at a picture.
         let rows = (0..wefts as usize).rev();
         rows.map(|j| {

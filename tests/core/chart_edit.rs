@@ -3,10 +3,12 @@
 use std::collections::{HashMap, HashSet};
 
 use palette::{FromColor, Oklab, Srgb};
+use std::sync::Arc;
+
 use renderer_core::design::chart_edit::{
-    BARE, Dither, Resampling, YarnCounts, choose_yarns, crop, draw_line, flip_x, flip_y,
-    linear_from_oklab, nearest_srgb, oklab, oklab_from_linear, outline_rectangle, precise_oklab,
-    reduce_to, replace_yarn, resize, rotate_left, rotate_right,
+    BARE, Dither, LoopsPerPixel, Resampling, YarnCounts, choose_yarns, crop, draw_line, flip_x,
+    flip_y, linear_from_oklab, nearest_srgb, oklab, oklab_from_linear, outline_rectangle,
+    precise_oklab, reduce_to, replace_yarn, resize, rotate_left, rotate_right,
 };
 use renderer_core::design::{ChartImage, TILE};
 use renderer_core::image::{encode_chart_png, png_text};
@@ -360,7 +362,7 @@ fn well_separated_colours_are_found_exactly() {
     let large = ChartImage::from_fn(1500, 1200, |x, y| flat.pixel(x / 3, y / 3)).unwrap();
     let smooth = resize(&large, 700, 560, Resampling::Average).unwrap();
     assert!(
-        YarnCounts::default().of(&smooth).is_none(),
+        YarnCounts::default().of(&smooth, &alike()).is_none(),
         "no smooth edges"
     );
     let found: HashSet<[u8; 3]> = choose_yarns(&smooth, 5).into_iter().collect();
@@ -496,12 +498,17 @@ fn dithering_gives_the_light_that_no_yarn_has() {
     }
 }
 
+/// A loop on every pixel.
+fn alike() -> Arc<LoopsPerPixel> {
+    Arc::new(LoopsPerPixel::Alike)
+}
+
 #[test]
 fn yarns_are_counted_and_counted_again_after_painting() {
     let mut counts = YarnCounts::default();
     let mut image = ChartImage::filled(300, 200, RED).unwrap();
     let shares = |counts: &mut YarnCounts, image: &ChartImage| -> Vec<([u8; 4], u64)> {
-        let yarns = counts.of(image).expect("few yarns").iter();
+        let yarns = counts.of(image, &alike()).expect("few yarns").iter();
         yarns.map(|yarn| (yarn.colour, yarn.pixels)).collect()
     };
     assert_eq!(shares(&mut counts, &image), [(RED, 60_000)]);
@@ -514,7 +521,7 @@ fn yarns_are_counted_and_counted_again_after_painting() {
     let merged = replace_yarn(&image, NAVY, RED);
     assert_eq!(shares(&mut counts, &merged), [(RED, 59_900), (BARE, 100)]);
     assert_eq!(shares(&mut counts, &image).len(), 3);
-    assert!(counts.of(&noise(300, 200)).is_none());
+    assert!(counts.of(&noise(300, 200), &alike()).is_none());
     assert_eq!(shares(&mut counts, &image).len(), 3);
     let cropped = crop(&image, 0..20, 0..20).unwrap();
     assert_eq!(shares(&mut counts, &cropped), [(RED, 300), (BARE, 100)]);

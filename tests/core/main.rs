@@ -11,6 +11,7 @@ mod arrows;
 mod bounced;
 mod chart;
 mod chart_edit;
+mod chart_loops;
 mod coarse_preview;
 mod colour;
 mod compile;

@@ -130,6 +130,7 @@ fn choices_change_their_sections_and_no_other() {
         ("chart.colour", "#803020", &["looks"]),
         ("chart.fit", "tile", &[]),
         ("chart.fit", "place", &[]),
+        ("chart.average", "true", &[]),
         ("chart.mirror_x", "true", &[]),
         ("chart.half_drop", "true", &[]),
         ("length.map", "gray", &["loops", "volumes"]),

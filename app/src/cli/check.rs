@@ -5,6 +5,8 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use super::arguments::BadArgument;
+use renderer_core::scene::ChartYarns;
+
 use crate::files::open_design;
 
 /// Arguments of `check`.
@@ -25,7 +27,9 @@ pub fn run(arguments: &CheckArguments) -> anyhow::Result<()> {
                 for warning in &opened.warnings {
                     eprintln!("warning: {warning}");
                 }
-                for warning in opened.design.warnings() {
+                let design = &opened.design;
+                let of_chart = ChartYarns::default().warning(design);
+                for warning in design.warnings().into_iter().chain(of_chart) {
                     eprintln!("{}: warning: {warning}", file.display());
                 }
                 writeln!(out, "{}: ok", file.display())?;

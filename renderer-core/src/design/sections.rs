@@ -181,6 +181,9 @@ section! {
             image: Option<String> = None;
             /// How texels are laid over the cells.
             fit: Fit = Fit::Stretch;
+            /// When stretched: a loop's colour is the mean of the pixels around it, as far as it is from loop to loop. For
+            /// photographs; without it a loop has the colour of the one pixel at its middle.
+            average: bool = false;
             /// When tiling: every second repeat along the weft is mirrored.
             mirror_x: bool = false;
             /// When tiling: every second repeat along the warp is mirrored.

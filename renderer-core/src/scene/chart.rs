@@ -2,7 +2,11 @@
 //!
 //! Chart row 0 is the sheet's far edge (+y), while weft 0 is the near one.
 
-use crate::design::{Chart, ChartImage, Fit, OPAQUE_FROM};
+use std::collections::BTreeMap;
+
+use super::faces::{Faces, LoopSpacing};
+use crate::design::chart_edit::{Covered, LoopsPerPixel, LoopsUnder, mean_colour};
+use crate::design::{Chart, ChartImage, Fit, OPAQUE_FROM, Weave};
 
 /// A chart laid over a sheet.
 #[derive(Debug, Clone, Copy)]
@@ -10,15 +14,31 @@ pub struct ChartOnSheet<'a> {
     chart: &'a Chart,
     /// Warps and wefts of the cloth it lies on.
     cells: [usize; 2],
+    /// Where a loop takes the mean of the pixels around it: how far apart loops stand along x and y.
+    averaged: Option<[LoopSpacing; 2]>,
 }
 
 impl<'a> ChartOnSheet<'a> {
-    /// Lays `chart` over a sheet of `warps` × `wefts` cells.
-    pub fn new(chart: &'a Chart, warps: u32, wefts: u32) -> Self {
+    /// Lays `chart` over a sheet of `warps` × `wefts` cells woven so.
+    pub fn new(chart: &'a Chart, weave: &Weave, [warps, wefts]: [u32; 2]) -> Self {
+        Self {
+            averaged: Self::averaged_over(chart, weave),
+            ..Self::pixel_by_pixel(chart, [warps, wefts])
+        }
+    }
+
+    /// Lays `chart` over a sheet of `warps` × `wefts` cells of which each has one pixel.
+    pub fn pixel_by_pixel(chart: &'a Chart, cells: [u32; 2]) -> Self {
         Self {
             chart,
-            cells: [warps as usize, wefts as usize],
+            cells: cells.map(|count| count as usize),
+            averaged: None,
         }
+    }
+
+    /// How far apart loops stand along x and y, where their colour is the mean over that.
+    pub(super) fn averaged_over(chart: &Chart, weave: &Weave) -> Option<[LoopSpacing; 2]> {
+        (chart.average && chart.fit == Fit::Stretch).then(|| Faces::new(weave).spacing())
     }
 
     /// sRGB colour of the loops of cell (i, j); `None` where the chart is transparent.
@@ -27,13 +47,40 @@ impl<'a> ChartOnSheet<'a> {
             return Some(self.chart.colour.0);
         };
         let around = || (self.chart.fit == Fit::Place).then_some(self.chart.colour.0);
-        let Some([x, y]) = self.texel(image, i, j) else {
-            return around();
+        let pixel = match self.averaged {
+            Some(spacing) => Some(self.mean_around(image, spacing, [i, j])),
+            None => self.texel(image, i, j).map(|[x, y]| image.pixel(x, y)),
         };
-        match image.pixel(x, y) {
-            [r, g, b, alpha] if alpha >= OPAQUE_FROM => Some([r, g, b]),
+        match pixel {
+            Some([r, g, b, alpha]) if alpha >= OPAQUE_FROM => Some([r, g, b]),
             _ => around(),
         }
+    }
+
+    /// The mean light of the part of a stretched image that is nearer to the loop of cell (i, j) than to others: the
+    /// rectangle around it as wide and as deep as loops stand apart.
+    fn mean_around(
+        &self,
+        image: &ChartImage,
+        spacing: [LoopSpacing; 2],
+        [i, j]: [usize; 2],
+    ) -> [u8; 4] {
+        let from_far = self.cells[1] - 1 - j;
+        let covered = |axis: usize, at: usize, side: usize| {
+            let (
+                cells,
+                LoopSpacing {
+                    cells: repeat,
+                    loops,
+                },
+            ) = (self.cells[axis], spacing[axis]);
+            // In 1/(2·cells·loops) of a pixel.
+            let (middle, unit) = ((2 * at + 1) * loops, 2 * cells * loops);
+            let (start, end) = (middle.saturating_sub(repeat), (middle + repeat).min(unit));
+            Covered::between(start * side..end * side, unit)
+        };
+        let columns = covered(0, i, image.width());
+        mean_colour(image, &columns, &covered(1, from_far, image.height()))
     }
 
     /// Whether all cells have the same colour, whatever the image.
@@ -62,43 +109,97 @@ impl<'a> ChartOnSheet<'a> {
 
     /// Column and row (from the top) of the texel of cell (i, j); `None` beside a chart that is placed.
     pub fn texel(&self, image: &ChartImage, i: usize, j: usize) -> Option<[usize; 2]> {
-        let [warps, wefts] = self.cells;
-        let (width, height) = (image.width(), image.height());
+        let (x, is_dropped) = self.column(image, i)?;
+        Some([x, self.row(image, j, is_dropped)?])
+    }
+
+    /// The column of texels of warp i, and whether repeats are dropped by half there.
+    fn column(&self, image: &ChartImage, i: usize) -> Option<(usize, bool)> {
+        let (warps, width) = (self.cells[0], image.width());
         match self.chart.fit {
-            // The texel that holds ((i+½)/warps, 1 − (j+½)/wefts), in whole numbers.
-            Fit::Stretch => Some([
-                (2 * i + 1) * width / (2 * warps),
-                (2 * (wefts - j) - 1) * height / (2 * wefts),
-            ]),
+            // The texel that holds (i+½)/warps, in whole numbers.
+            Fit::Stretch => Some(((2 * i + 1) * width / (2 * warps), false)),
             Fit::Tile => {
-                let (column, x) = (i / width, i % width);
-                let drop = if self.chart.half_drop && column % 2 == 1 {
-                    height / 2
-                } else {
-                    0
-                };
-                // Counted from the far edge; one more repeat of two keeps it positive when dropped.
-                let row = (wefts - 1 - j) + 2 * height - drop;
-                let (repeat, y) = (row / height, row % height);
-                let mirrored = |on: bool, repeat: usize, at: usize, size: usize| {
-                    if on && repeat % 2 == 1 {
-                        size - 1 - at
-                    } else {
-                        at
-                    }
-                };
-                Some([
-                    mirrored(self.chart.mirror_x, column, x, width),
-                    mirrored(self.chart.mirror_y, repeat, y, height),
-                ])
+                let (repeat, x) = (i / width, i % width);
+                let is_dropped = self.chart.half_drop && repeat % 2 == 1;
+                Some((mirrored(self.chart.mirror_x, repeat, x, width), is_dropped))
             }
             Fit::Place => {
-                let [left, top] = placed_corner(self.chart, image, self.cells);
+                let [left, _] = placed_corner(self.chart, image, self.cells);
                 let x = usize::try_from(i as i64 - left).ok()?;
-                let y = usize::try_from((wefts - 1 - j) as i64 - top).ok()?;
-                (x < width && y < height).then_some([x, y])
+                (x < width).then_some((x, false))
             }
         }
+    }
+
+    /// The row of texels (from the top) of weft j where repeats are dropped by half or not.
+    fn row(&self, image: &ChartImage, j: usize, is_dropped: bool) -> Option<usize> {
+        let (wefts, height) = (self.cells[1], image.height());
+        match self.chart.fit {
+            // The texel that holds 1 − (j+½)/wefts, in whole numbers.
+            Fit::Stretch => Some((2 * (wefts - j) - 1) * height / (2 * wefts)),
+            Fit::Tile => {
+                let drop = if is_dropped { height / 2 } else { 0 };
+                // Counted from the far edge; one more repeat of two keeps it positive when dropped.
+                let row = (wefts - 1 - j) + 2 * height - drop;
+                Some(mirrored(
+                    self.chart.mirror_y,
+                    row / height,
+                    row % height,
+                    height,
+                ))
+            }
+            Fit::Place => {
+                let [_, top] = placed_corner(self.chart, image, self.cells);
+                let y = usize::try_from((wefts - 1 - j) as i64 - top).ok()?;
+                (y < height).then_some(y)
+            }
+        }
+    }
+
+    /// How many loops of a cloth woven so lie on each pixel of an image that is laid like this chart's.
+    pub fn loops_per_pixel(&self, weave: &Weave, image: &ChartImage) -> LoopsPerPixel {
+        if self.averaged.is_some() {
+            return LoopsPerPixel::Alike;
+        }
+        let part = |is_dropped| self.loops_under(&Faces::new(weave), image, is_dropped);
+        let drops = self.chart.fit == Fit::Tile && self.chart.half_drop;
+        let dropped: &[bool] = if drops { &[false, true] } else { &[false] };
+        LoopsPerPixel::Counted(dropped.iter().map(|&is_dropped| part(is_dropped)).collect())
+    }
+
+    fn loops_under(&self, faces: &Faces, image: &ChartImage, is_dropped: bool) -> LoopsUnder {
+        let ([warps, wefts], [_, repeat]) = (self.cells, faces.repeat());
+        let mut columns = vec![vec![0; repeat]; image.width()];
+        for i in 0..warps {
+            if let Some((x, dropped)) = self.column(image, i)
+                && dropped == is_dropped
+            {
+                for (row, loops) in columns[x].iter_mut().enumerate() {
+                    *loops += faces.count_at(i, row);
+                }
+            }
+        }
+        let mut rows = vec![BTreeMap::new(); image.height()];
+        for j in 0..wefts {
+            if let Some(y) = self.row(image, j, is_dropped) {
+                *rows[y].entry(j % repeat).or_insert(0) += 1;
+            }
+        }
+        let rows = rows.into_iter().map(|row| row.into_iter().collect());
+        LoopsUnder {
+            columns,
+            rows: rows.collect(),
+        }
+    }
+}
+
+/// Where a texel lies in a repeat if every second repeat is mirrored or not.
+fn mirrored(every_second: bool, repeat: usize, at: usize, side: usize) -> usize {
+    if every_second && repeat % 2 == 1 {
+        side - 1 - at
+    } else {
+        at
     }
 }
 

@@ -28,6 +28,8 @@ use std::time::Instant;
 
 use super::cancel::{Cancel, Cancelled};
 use super::chart::ChartOnSheet;
+use super::chart_yarns::ChartYarns;
+use super::faces::LoopSpacing;
 use super::finish::{Finishing, wet_pile};
 use super::frames::FrameRules;
 use super::grid::{self, NoGrid};
@@ -97,6 +99,7 @@ pub fn warnings(design: &Design, scene: &Scene) -> Vec<Warning> {
         let text = "no loops: the pattern, the chart and the loop length leave none";
         warnings.push(Warning::new("weave.pattern", text));
     }
+    warnings.extend(ChartYarns::default().warning(design));
     let turbulence = &design.turbulence;
     let pitch_mm = scene.sheet.pitch_x_mm.max(scene.sheet.pitch_y_mm);
     let waves = turbulence.filter_radius * pitch_mm * turbulence.frequency;
@@ -174,6 +177,8 @@ type TurbulenceInputs = (SheetGeometry, Turbulence);
 #[derive(Debug, Clone, PartialEq)]
 struct CellsInputs {
     chart: Chart,
+    /// How far apart the pattern plants loops, where that counts.
+    averaged_over: Option<[LoopSpacing; 2]>,
     length: Length,
     sheet: SheetGeometry,
 }
@@ -440,6 +445,7 @@ impl Compiler {
     fn cells_of(&mut self, design: &Design, sheet: SheetGeometry) -> Cells {
         let inputs = CellsInputs {
             chart: design.chart.clone(),
+            averaged_over: ChartOnSheet::averaged_over(&design.chart, &design.weave),
             length: design.length.clone(),
             sheet,
         };
@@ -447,8 +453,7 @@ impl Compiler {
             return cells;
         }
         let cells = timed(&mut self.report.seconds.lengths, || {
-            let [warps, wefts] = sheet.whole_cells();
-            let chart = ChartOnSheet::new(&design.chart, warps, wefts);
+            let chart = ChartOnSheet::new(&design.chart, &design.weave, sheet.whole_cells());
             Cells::new(&design.length, &chart, &sheet)
         });
         self.cells = Some((inputs, cells.clone()));

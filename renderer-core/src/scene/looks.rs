@@ -199,8 +199,7 @@ impl<'a> Painter<'a> {
         loops: &'a Loops,
         materials: &'a Materials,
     ) -> Self {
-        let [warps, wefts] = sheet.whole_cells();
-        let chart = ChartOnSheet::new(&design.chart, warps, wefts);
+        let chart = ChartOnSheet::new(&design.chart, &design.weave, sheet.whole_cells());
         let mixing = sheet.region.filter(|region| region.lod > 0);
         Self {
             sheet,

@@ -56,7 +56,7 @@ impl NapOnSheet {
             };
             nap_edit::mixed(row(top), row(top + 1), y - top as f64)
         } else {
-            let there = ChartOnSheet::new(&self.map, warps, wefts).colour(i, j);
+            let there = ChartOnSheet::pixel_by_pixel(&self.map, [warps, wefts]).colour(i, j);
             there.map_or([0.0; 2], |[r, g, b]| nap_edit::direction([r, g, b, 255]))
         };
         direction.map(|part| part * self.strength)

@@ -5,6 +5,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::bounds::box_of;
+use super::faces::Faces;
 use super::finish::Finishing;
 use super::frames::{FrameRules, FrameSettings, Jitter, LoopInput, loop_hash, loop_shape};
 use super::grid::{Planted, WholePile};
@@ -12,7 +13,7 @@ use super::length::Cells;
 use super::skeleton::{Face, RootHeights};
 use super::turbulence::{TurbulenceField, Wanted};
 use super::{Cancel, CellSet, LoopCounts, LoopPatch, SheetGeometry, VisibleCells};
-use crate::design::{Back, Turbulence, Weave};
+use crate::design::{Turbulence, Weave};
 
 /// Everything that the loops' shapes follow from.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,8 +68,12 @@ impl LoopsInputs {
     /// How many loops stand in these cells.
     pub(super) fn loops_in(&self, cells: &CellSet) -> u64 {
         let faces = self.faces();
-        let of_cell = |[front, back]: [bool; 2]| u64::from(front) + u64::from(back);
-        let of_row = |j: usize| cells.row(j).map(|i| of_cell(faces.at(i, j))).sum::<u64>();
+        let of_row = |j: usize| {
+            cells
+                .row(j)
+                .map(|i| u64::from(faces.count_at(i, j)))
+                .sum::<u64>()
+        };
         (0..cells.wefts()).into_par_iter().map(of_row).sum()
     }
 
@@ -232,36 +237,6 @@ impl LoopsInputs {
 }
 
 const FACES: [Face; 2] = [Face::Front, Face::Back];
-
-/// Whether a loop stands on the front and on the back of each cell of the pattern's repeat (MODEL.md §2).
-struct Faces {
-    repeat: [usize; 2],
-    faces: Vec<[bool; 2]>,
-}
-
-impl Faces {
-    fn new(weave: &Weave) -> Self {
-        let repeat = [weave.pattern.cols(), weave.pattern.rows()];
-        let faces = |cell: usize| {
-            let (i, j) = (cell % repeat[0], cell / repeat[0]);
-            let stitch = weave.pattern.stitch(i as i64, j as i64);
-            let back = match weave.back {
-                Back::Mirror => stitch.front,
-                Back::Pattern => stitch.back,
-                Back::None => false,
-            };
-            [stitch.front, back]
-        };
-        Self {
-            repeat,
-            faces: (0..repeat[0] * repeat[1]).map(faces).collect(),
-        }
-    }
-
-    fn at(&self, i: usize, j: usize) -> [bool; 2] {
-        self.faces[j % self.repeat[1] * self.repeat[0] + i % self.repeat[0]]
-    }
-}
 
 impl LoopCounts {
     /// Those of both.

@@ -25,6 +25,7 @@ fn lengths_of(design: &Design) -> Lengths {
         chart: design.chart.clone(),
         length: design.length.clone(),
         sheet: design.sheet.clone(),
+        weave: design.weave.clone(),
         max_length_mm: design.pile.max_length,
     }
 }

@@ -38,7 +38,7 @@ pub fn records<'s>(
     scene: &'s Scene,
 ) -> impl Iterator<Item = LoopRecord> + use<'s> {
     let (sheet, loops) = (&*scene.sheet, &*scene.loops);
-    let chart = ChartOnSheet::new(&design.chart, sheet.warps, sheet.wefts);
+    let chart = ChartOnSheet::new(&design.chart, &design.weave, [sheet.warps, sheet.wefts]);
     let planted = (0..sheet.wefts).flat_map(move |j| loops.planted_in_row(sheet, j));
     planted.map(move |planted| {
         let [i, j] = planted.cell;

@@ -5,10 +5,10 @@ use egui::{
     Ui, vec2,
 };
 use renderer_core::design::chart_edit::{
-    BARE, LARGEST_BRUSH, Resampling, YarnCounts, flip_x, flip_y, resize, rotate_right,
+    BARE, LARGEST_BRUSH, Resampling, YarnCount, flip_x, flip_y, resize, rotate_right,
 };
-use renderer_core::design::{Chart, ChartImage, Colour, Fit, Sheet};
-use renderer_core::scene::ChartOnSheet;
+use renderer_core::design::{Chart, ChartImage, Colour, Design, Fit, Sheet};
+use renderer_core::scene::{ChartOnSheet, ChartYarns};
 
 use super::canvas::{ZOOM_STEP, colour_at, crop_marked, marked_part};
 use super::work::put;
@@ -64,9 +64,8 @@ pub fn start_blank(chart: &mut Chart, sheet: &Sheet, colour: [u8; 4]) {
 pub fn show(
     ui: &mut Ui,
     editor: &mut ChartEditor,
-    chart: &mut Chart,
-    sheet: &Sheet,
-    counts: &mut YarnCounts,
+    design: &mut Design,
+    yarns: &mut ChartYarns,
 ) -> Option<String> {
     let mut name = None;
     ui.horizontal(|ui| {
@@ -85,7 +84,9 @@ pub fn show(
             }
         });
     });
-    let image = chart.pixels.clone()?;
+    let image = design.chart.pixels.clone()?;
+    let swatches = yarns.of(design, &image).unwrap_or_default().to_vec();
+    let Design { chart, sheet, .. } = design;
     ui.add_enabled_ui(!editor.work.is_busy(), |ui| {
         ui.horizontal_wrapped(|ui| {
             tools(ui, editor);
@@ -102,7 +103,7 @@ pub fn show(
                 name = Some("new chart".into());
             }
         });
-        ui.horizontal_wrapped(|ui| colours(ui, editor, &image, counts));
+        ui.horizontal_wrapped(|ui| colours(ui, editor, &swatches));
         crop_row(ui, editor, &image);
     });
     name
@@ -239,7 +240,7 @@ fn side(ui: &mut Ui, value: &mut usize, name: &str) -> bool {
     side.accessible_name(name).changed()
 }
 
-fn colours(ui: &mut Ui, editor: &mut ChartEditor, image: &ChartImage, counts: &mut YarnCounts) {
+fn colours(ui: &mut Ui, editor: &mut ChartEditor, yarns: &[YarnCount]) {
     let [r, g, b, alpha] = editor.colour;
     let mut rgb = [r, g, b];
     let label = ui.label("Paint");
@@ -257,7 +258,6 @@ fn colours(ui: &mut Ui, editor: &mut ChartEditor, image: &ChartImage, counts: &m
     ui.monospace(text);
     ui.separator();
     ui.spacing_mut().item_spacing.x = 3.0;
-    let yarns = counts.of(image).unwrap_or_default().to_vec();
     for (index, yarn) in yarns
         .iter()
         .filter(|yarn| yarn.colour != BARE)
@@ -363,7 +363,7 @@ fn under(chart: &Chart, sheet: &Sheet, [x, y]: [i32; 2]) -> String {
     let colour = colour_at(chart, [x, y]).unwrap_or_default();
     let mut text = format!("{x}, {y} · {colour}");
     if let (Fit::Stretch | Fit::Place, Some(image)) = (chart.fit, &chart.pixels) {
-        let on_sheet = ChartOnSheet::new(chart, sheet.warps, sheet.wefts);
+        let on_sheet = ChartOnSheet::pixel_by_pixel(chart, [sheet.warps, sheet.wefts]);
         let cell = on_sheet.cell_under(image, [x as usize, y as usize]);
         match cell {
             Some([i, j]) => text += &format!(" · warp {}, weft {}", i + 1, j + 1),

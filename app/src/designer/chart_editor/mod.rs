@@ -10,8 +10,8 @@ pub mod work;
 pub mod yarn_name;
 
 use egui::{Key, Ui};
-use renderer_core::design::chart_edit::YarnCounts;
 use renderer_core::design::{Chart, ChartImage, Design};
+use renderer_core::scene::ChartYarns;
 
 use canvas::Canvas;
 use work::ChartWork;
@@ -140,14 +140,14 @@ impl ChartEditor {
         &mut self,
         ui: &mut Ui,
         design: &mut Design,
-        counts: &mut YarnCounts,
+        yarns: &mut ChartYarns,
     ) -> Option<String> {
-        let Design { chart, sheet, .. } = design;
-        let mut name = self.work.take(chart);
-        self.notice(chart);
-        if let Some(named) = bars::show(ui, self, chart, sheet, counts) {
+        let mut name = self.work.take(&mut design.chart);
+        self.notice(&design.chart);
+        if let Some(named) = bars::show(ui, self, design, yarns) {
             name = Some(named);
         }
+        let Design { chart, sheet, .. } = design;
         if chart.pixels.is_some() {
             bars::status(ui, self, chart, sheet);
             canvas::show(ui, self, chart, sheet);

@@ -33,6 +33,7 @@ pub fn show(ui: &mut Ui, maps: &mut HeightMaps, design: &Design) {
         chart: design.chart.clone(),
         length: design.length.clone(),
         sheet: design.sheet.clone(),
+        weave: design.weave.clone(),
         max_length_mm: design.pile.max_length,
     };
     let ctx = ui.ctx().clone();

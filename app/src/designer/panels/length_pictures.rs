@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 
 use egui::{Color32, ColorImage};
-use renderer_core::design::{Chart, ChartImage, Length, OPAQUE_FROM, Sheet};
+use renderer_core::design::{Chart, ChartImage, Length, OPAQUE_FROM, Sheet, Weave};
 use renderer_core::scene::{ChartOnSheet, LengthRule, luma};
 
 /// Bars of the histogram.
@@ -35,6 +35,8 @@ pub struct Lengths {
     pub length: Length,
     /// The sheet it lies on.
     pub sheet: Sheet,
+    /// How that is woven.
+    pub weave: Weave,
     /// No loop is longer, mm.
     pub max_length_mm: f64,
 }
@@ -62,7 +64,11 @@ impl Lengths {
     }
 
     fn colour(&self, warp: u32, weft: u32) -> Option<[u8; 3]> {
-        let chart = ChartOnSheet::new(&self.chart, self.sheet.warps, self.sheet.wefts);
+        let chart = ChartOnSheet::new(
+            &self.chart,
+            &self.weave,
+            [self.sheet.warps, self.sheet.wefts],
+        );
         chart.colour(warp as usize, weft as usize)
     }
 

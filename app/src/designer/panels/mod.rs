@@ -95,8 +95,8 @@ impl Panels {
 
     /// Shows the chart editor. Returns what the history is to call a change made there.
     pub fn show_chart_editor(&mut self, ui: &mut Ui, design: &mut Design) -> Option<String> {
-        let (editor, counts) = self.chart.editor_and_counts();
-        editor.show(ui, design, counts)
+        let (editor, yarns) = self.chart.editor_and_yarns();
+        editor.show(ui, design, yarns)
     }
 
     /// The chart that the cloth shows instead of the design's, while it is tried out.

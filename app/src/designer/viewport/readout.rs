@@ -56,7 +56,7 @@ impl Readout {
         // The design may already be another than that of the scene in the picture.
         let [warps, wefts] = sheet.whole_cells();
         let is_same = [design.sheet.warps, design.sheet.wefts] == [warps, wefts];
-        let chart = ChartOnSheet::new(&design.chart, warps, wefts);
+        let chart = ChartOnSheet::new(&design.chart, &design.weave, [warps, wefts]);
         let [warp, weft] = sheet.original(i as usize, j as usize);
         Some(Self {
             cell: [warp, weft].map(|index| index as u32),

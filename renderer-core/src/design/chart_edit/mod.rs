@@ -1,14 +1,17 @@
 //! Editing a chart's pixels: shape, paint, yarns. Everything gives the same result on every machine.
 
+mod loops_per_pixel;
 mod oklab;
 mod paint;
 mod reduce;
 mod reshape;
 mod yarns;
 
+pub use loops_per_pixel::{LoopsPerPixel, LoopsUnder};
 pub use oklab::{linear_from_oklab, nearest_srgb, oklab, oklab_from_linear, precise_oklab};
 pub use paint::{LARGEST_BRUSH, draw_line, outline_rectangle};
 pub use reduce::{Dither, MOST_YARNS, choose_yarns, reduce_to};
+pub(crate) use reshape::{Covered, mean_colour};
 pub use reshape::{Resampling, crop, flip_x, flip_y, resize, rotate_left, rotate_right};
 pub use yarns::{BARE, YarnCount, YarnCounts, yarn_of};
 

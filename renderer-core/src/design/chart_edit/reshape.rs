@@ -68,17 +68,15 @@ pub fn resize(
             )
         }),
         Resampling::Average => ChartImage::from_fn(width, height, |x, y| {
-            mean(
-                image,
-                &Covered::new(x, image.width(), width),
-                &Covered::new(y, image.height(), height),
-            )
+            let along = |at, from, to| Covered::between(at * from..(at + 1) * from, to);
+            let xs = along(x, image.width(), width);
+            mean_colour(image, &xs, &along(y, image.height(), height))
         }),
     }
 }
 
-/// The pixels of one axis that a pixel of the scaled chart covers: all of them wholly but the first and the last.
-struct Covered {
+/// The pixels of one axis that a span covers: all of them wholly but the first and the last.
+pub(crate) struct Covered {
     first: usize,
     last: usize,
     share_of_first: f32,
@@ -86,16 +84,16 @@ struct Covered {
 }
 
 impl Covered {
-    fn new(at: usize, from: usize, to: usize) -> Self {
-        // Ends in units of 1/to of a pixel.
-        let (start, end) = (at * from, (at + 1) * from);
-        let (first, last) = (start / to, (end - 1) / to);
-        let share = |units: usize| units as f32 / to as f32;
+    /// Those that a span covers whose ends are given in pixels / `unit`; it must not be empty.
+    pub(crate) fn between(span: Range<usize>, unit: usize) -> Self {
+        let Range { start, end } = span;
+        let (first, last) = (start / unit, (end - 1) / unit);
+        let share = |part: usize| part as f32 / unit as f32;
         Self {
             first,
             last,
-            share_of_first: share(end.min((first + 1) * to) - start),
-            share_of_last: share(end - (last * to).max(start)),
+            share_of_first: share(end.min((first + 1) * unit) - start),
+            share_of_last: share(end - (last * unit).max(start)),
         }
     }
 
@@ -111,8 +109,8 @@ impl Covered {
     }
 }
 
-/// Mean of light by area and alpha.
-fn mean(image: &ChartImage, xs: &Covered, ys: &Covered) -> [u8; 4] {
+/// Mean of the light of these columns and rows, by area and alpha; the alpha is the mean by area.
+pub(crate) fn mean_colour(image: &ChartImage, xs: &Covered, ys: &Covered) -> [u8; 4] {
     let only = image.pixel(xs.first, ys.first);
     let (mut sum, mut alphas, mut area) = ([0.0; 3], 0.0, 0.0);
     let mut is_one_colour = true;

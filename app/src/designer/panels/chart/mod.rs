@@ -4,8 +4,8 @@ mod reduce;
 mod yarns;
 
 use egui::{Color32, DragValue, Stroke, Ui, vec2};
-use renderer_core::design::chart_edit::YarnCounts;
 use renderer_core::design::{Chart, ChartImage, Design, Fit, ImageSlot, Sheet};
+use renderer_core::scene::ChartYarns;
 
 use crate::designer::chart_editor::ChartEditor;
 use crate::designer::document::labels::label_of;
@@ -27,9 +27,9 @@ pub struct State {
 }
 
 impl State {
-    /// The yarns of the chart, counted.
-    pub fn editor_and_counts(&mut self) -> (&mut ChartEditor, &mut YarnCounts) {
-        (&mut self.editor, &mut self.yarns.counts)
+    /// The editor, and the yarns of the chart, counted.
+    pub fn editor_and_yarns(&mut self) -> (&mut ChartEditor, &mut ChartYarns) {
+        (&mut self.editor, &mut self.yarns.counted)
     }
 
     /// The chart that the cloth shows instead of the design's, while it is tried out.
@@ -185,7 +185,13 @@ fn layout(ui: &mut Ui, chart: &mut Chart) {
         return;
     }
     match chart.fit {
-        Fit::Stretch => {}
+        Fit::Stretch => check(
+            ui,
+            "Average",
+            "Each loop takes the mean colour of the pixels around it: for photographs. Without it a loop has the colour of \
+             the pixel at its middle, and no colour that the chart has not.",
+            &mut chart.average,
+        ),
         Fit::Tile => {
             check(
                 ui,

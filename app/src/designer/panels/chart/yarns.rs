@@ -3,6 +3,7 @@
 use egui::{Color32, RichText, ScrollArea, Sense, Ui, vec2};
 use renderer_core::design::chart_edit::{BARE, YarnCount, YarnCounts, replace_yarn};
 use renderer_core::design::{ChartImage, Colour, Design, LengthEntry};
+use renderer_core::scene::ChartYarns;
 
 use crate::designer::chart_editor::work::put;
 use crate::designer::chart_editor::yarn_name::yarn_name;
@@ -15,8 +16,8 @@ const LIST_HEIGHT: f32 = 220.0;
 /// What is remembered of the yarns.
 #[derive(Default)]
 pub struct State {
-    /// The yarns of the chart.
-    pub counts: YarnCounts,
+    /// The yarns of the chart, counted.
+    pub counted: ChartYarns,
     /// A yarn whose colour is being changed.
     recolouring: Option<Recolouring>,
 }
@@ -44,7 +45,7 @@ pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design) -> Option<Strin
             yarns[recolouring.index].colour = recolouring.to;
             Some(yarns)
         }
-        None => state.counts.of(&image).map(<[YarnCount]>::to_vec),
+        None => state.counted.of(design, &image).map(<[YarnCount]>::to_vec),
     };
     let Some(yarns) = yarns else {
         subheading(ui, "Yarns");
@@ -62,7 +63,7 @@ pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design) -> Option<Strin
             count => format!("{count} yarns"),
         },
     );
-    let pixels = (image.width() * image.height()) as f64;
+    let loops = yarns.iter().map(|yarn| yarn.loops).sum::<u64>().max(1) as f64;
     let mut name = None;
     ScrollArea::vertical()
         .id_salt("yarns")
@@ -77,7 +78,7 @@ pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design) -> Option<Strin
                     number += 1;
                     format!("Yarn {number}")
                 };
-                let share = share_text(yarn.pixels as f64 / pixels);
+                let share = share_text(yarn.loops as f64 / loops);
                 let named = ui.push_id(index, |ui| {
                     let place = Place {
                         index,
@@ -92,9 +93,10 @@ pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design) -> Option<Strin
     name
 }
 
-/// `43 %`, `0.2 %`, `< 0.1 %`.
+/// Of the loops: `43 %`, `0.2 %`, `< 0.1 %`, `no loop`.
 fn share_text(share: f64) -> String {
     match 100.0 * share {
+        0.0 => "no loop".into(),
         percent if percent >= 10.0 => format!("{percent:.0} %"),
         percent if percent >= 0.1 => format!("{percent:.1} %"),
         _ => "< 0.1 %".into(),
@@ -116,7 +118,7 @@ fn yarn_row(
     place: &Place<'_>,
 ) -> Option<String> {
     let yarn = yarns[place.index];
-    let what = "Colour of this yarn; all its loops change with it.";
+    let what = "Colour of this yarn; all its loops change with it. The share is of the loops.";
     row(
         ui,
         &format!("{}  {}", place.label, place.share),

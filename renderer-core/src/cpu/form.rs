@@ -5,7 +5,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::Tracer;
+use super::tracer::Tracer;
 use crate::geometry::Ray;
 use crate::optics::Vertex;
 use crate::scene::{FormMesh, KuhnTetrahedron, TetMap};

@@ -2,10 +2,10 @@
 
 use glam::{DMat3, DVec3, Vec3A};
 
-use super::Tracer;
 use super::event::Event;
 use super::ground::GroundHit;
 use super::patch::Patch;
+use super::tracer::Tracer;
 use crate::design::{Phase, SkeletonShading};
 use crate::geometry::Ray;
 use crate::optics::{Lobe, Vertex};

@@ -1,6 +1,7 @@
 //! The reference renderer as a backend.
 
-use super::{Scratch, Tracer};
+use super::scratch::Scratch;
+use super::tracer::Tracer;
 use crate::design::Method;
 use crate::render::accumulation::Sample;
 use crate::render::progressive::Threads;

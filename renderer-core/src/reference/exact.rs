@@ -6,7 +6,8 @@
 //! interfaces where layers are slabs, their centres where they blend.
 
 use super::march::{Inside, Met};
-use super::{LoopPlace, Tracer};
+use super::tracer::Tracer;
+use super::walk::LoopPlace;
 use crate::design::Interpolation;
 use crate::geometry::{FrameLine, Interval, Ray};
 use crate::render::Counters;

@@ -2,9 +2,11 @@
 //! through (MODEL.md §9; the paper's §6, steps 3 to 5).
 
 use super::layered::LayerCrossing;
+use super::scratch::Scratch;
 use super::single::Crossing;
-use super::walk::LoopPart;
-use super::{LoopPlace, Scratch, SkeletonHit, Span, Tracer};
+use super::skeleton::SkeletonHit;
+use super::tracer::Tracer;
+use super::walk::{LoopPart, LoopPlace, Span};
 use crate::design::Method;
 use crate::geometry::{Interval, Ray};
 use crate::optics::Vertex;

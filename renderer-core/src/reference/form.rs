@@ -5,7 +5,9 @@
 
 use glam::DMat3;
 
-use super::{SkeletonHit, Span, Tracer};
+use super::skeleton::SkeletonHit;
+use super::tracer::Tracer;
+use super::walk::Span;
 use crate::geometry::{Interval, Ray};
 use crate::optics::Vertex;
 use crate::scene::{FormMesh, KUHN_TETRAHEDRA};

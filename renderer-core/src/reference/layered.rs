@@ -4,8 +4,9 @@
 //! slope w′ of the crossing, through one layer's thickness, cut to u and v in [0, 1] and to what lies ahead of the
 //! ray's origin. This keeps the rays that pass beside the middle patch, which `single` loses.
 
+use super::tracer::Tracer;
 use super::volume::LoopVolume;
-use super::{LoopPlace, Tracer};
+use super::walk::LoopPlace;
 use crate::geometry::tolerances::FLATTEST;
 use crate::geometry::{Interval, PatchLine, Ray, Root};
 use crate::render::Counters;

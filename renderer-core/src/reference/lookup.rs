@@ -2,9 +2,10 @@
 
 use glam::{DMat3, DVec3};
 
+use super::skeleton::SkeletonHit;
+use super::tracer::Tracer;
 use super::volume::LoopVolume;
 use super::walk::{BlockLoops, LoopPlace, Span};
-use super::{SkeletonHit, Tracer};
 use crate::design::{Phase, SkeletonShading};
 use crate::geometry::{Interval, LoopFrame, Ray};
 use crate::optics::{Lobe, Vertex};

@@ -8,9 +8,11 @@
 use std::ops::ControlFlow;
 
 use super::form::RaySegment;
+use super::scratch::Scratch;
+use super::skeleton::SkeletonHit;
+use super::tracer::Tracer;
 use super::tracked::{Overlap, chosen, crowded};
-use super::walk::LoopPart;
-use super::{LoopPlace, Scratch, SkeletonHit, Span, Tracer};
+use super::walk::{LoopPart, LoopPlace, Span};
 use crate::design::Method;
 use crate::geometry::{Interval, Ray};
 use crate::optics::Vertex;

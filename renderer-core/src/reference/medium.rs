@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use super::{Scratch, Tracer};
+use super::scratch::Scratch;
+use super::tracer::Tracer;
 use crate::design::Method;
 use crate::geometry::Ray;
 use crate::optics::Vertex;

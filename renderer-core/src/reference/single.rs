@@ -9,8 +9,9 @@
 //! A ray that passes beside the middle patch misses the loop, even where it passes through the loop's volume: that is
 //! the method's bias.
 
+use super::tracer::Tracer;
 use super::volume::{LoopVolume, VolumePoint};
-use super::{LoopPlace, Tracer};
+use super::walk::LoopPlace;
 use crate::geometry::tolerances::FLATTEST;
 use crate::geometry::{Interval, LoopFrame, Ray, Root, Slopes};
 use crate::render::Counters;

@@ -6,7 +6,8 @@
 //! at voxels or layers, and looks a point up wherever it falls, also where the ray is outside for a while.
 
 use super::march::{Inside, Met};
-use super::{LoopPlace, Tracer};
+use super::tracer::Tracer;
+use super::walk::LoopPlace;
 use crate::geometry::{BilinearPatch, Interval, LoopFrame, Ray};
 use crate::render::Counters;
 

@@ -15,7 +15,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
 
-use super::{Grid, Span};
+use super::walk::{Grid, Span};
 use crate::design::SkeletonHeight;
 use crate::geometry::tolerances::{PAPER_STEPS, ROOMY, SMALLEST_STEP};
 use crate::geometry::{Interval, Ray};

@@ -12,8 +12,10 @@ use std::ops::ControlFlow;
 use glam::DVec3;
 
 use super::form::RaySegment;
-use super::walk::{BlockLoops, LoopPart};
-use super::{LoopPlace, Scratch, SkeletonHit, Tracer};
+use super::scratch::Scratch;
+use super::skeleton::SkeletonHit;
+use super::tracer::Tracer;
+use super::walk::{BlockLoops, LoopPart, LoopPlace};
 use crate::geometry::{Interval, Ray};
 use crate::optics::Vertex;
 use crate::optics::limits::MOST_OVERLAP;

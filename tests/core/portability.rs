@@ -15,7 +15,7 @@ use renderer_core::gpu::constants::WORKGROUP;
 use renderer_core::gpu::context::STORAGE_BUFFERS;
 use renderer_core::gpu::shaders::{ERROR, FINALISE, Part, RESOLVE, TRACE};
 
-use crate::shaders::{parse, preset_keys};
+use crate::shaders::{parse_for, preset_keys};
 
 /// An entry point with its constants put in.
 struct Pipeline {
@@ -26,12 +26,9 @@ struct Pipeline {
 
 impl Pipeline {
     fn new(parts: &[Part], entry: &'static str, constants: &[(&str, f64)]) -> Self {
-        Self::of(&parse(parts), entry, constants)
-    }
-
-    fn of(module: &Module, entry: &'static str, constants: &[(&str, f64)]) -> Self {
+        let module = parse_for(parts, constants);
         let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
-            .validate(module)
+            .validate(&module)
             .expect("the program is valid");
         let constants = constants
             .iter()
@@ -39,7 +36,7 @@ impl Pipeline {
             .collect();
         let stage = Some((ShaderStage::Compute, entry));
         let (module, info) =
-            process_overrides(module, &info, stage, &constants).expect("has its constants");
+            process_overrides(&module, &info, stage, &constants).expect("has its constants");
         Self {
             entry,
             module: module.into_owned(),
@@ -105,12 +102,12 @@ enum Resource {
 
 /// All pipelines of presets, and those that every picture needs.
 fn pipelines() -> Vec<Pipeline> {
-    let trace = parse(TRACE);
     let keys = preset_keys();
     let mut pipelines: Vec<Pipeline> = (keys.iter())
-        .map(|key| Pipeline::of(&trace, "trace_main", &key.constants()))
+        .map(|key| Pipeline::new(TRACE, "trace_main", &key.constants()))
         .collect();
-    pipelines.push(Pipeline::of(&trace, "baseline_main", &keys[0].constants()));
+    let constants = keys[0].constants();
+    pipelines.push(Pipeline::new(TRACE, "baseline_main", &constants));
     for aov in [0.0, 1.0] {
         let constants = [("AOV", aov)];
         pipelines.push(Pipeline::new(RESOLVE, "resolve_display", &constants));

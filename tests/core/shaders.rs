@@ -8,6 +8,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Expression, Function, Handle, Literal, TypeInner};
 use renderer_core::design::{Method, Phase, SkeletonHeight, SkeletonShading};
 use renderer_core::gpu::constants::{declare, prelude};
+use renderer_core::gpu::dead_branches::without_dead_branches;
 use renderer_core::gpu::pipeline_key::PipelineKey;
 use renderer_core::gpu::shaders::{Composed, ERROR, FINALISE, Part, RESOLVE, TRACE};
 
@@ -20,7 +21,15 @@ fn validator() -> Validator {
 
 /// Parses a program, or says where it is wrong.
 pub fn parse(parts: &[Part]) -> naga::Module {
-    let composed = Composed::new(parts);
+    parsed(&Composed::new(parts))
+}
+
+/// Parses a program as a device is given it for a pipeline with these constants.
+pub fn parse_for(parts: &[Part], constants: &[(&str, f64)]) -> naga::Module {
+    parsed(&Composed::new(parts).specialised(constants))
+}
+
+fn parsed(composed: &Composed) -> naga::Module {
     naga::front::wgsl::parse_str(&composed.text).unwrap_or_else(|error| {
         let line = error
             .location(&composed.text)
@@ -34,18 +43,20 @@ pub fn parse(parts: &[Part]) -> naga::Module {
 }
 
 /// Specialises and validates one entry point.
-fn specialise(module: &naga::Module, entry: &str, constants: &[(&str, f64)]) {
-    let info = validator().validate(module).expect("the program is valid");
+fn specialise(parts: &[Part], entry: &str, constants: &[(&str, f64)]) -> naga::Module {
+    let module = parse_for(parts, constants);
+    let info = validator().validate(&module).expect("the program is valid");
     let constants = constants
         .iter()
         .map(|&(name, value)| (name.to_owned(), value))
         .collect();
     let stage = Some((naga::ShaderStage::Compute, entry));
-    let (module, _) = process_overrides(module, &info, stage, &constants)
+    let (module, _) = process_overrides(&module, &info, stage, &constants)
         .unwrap_or_else(|error| panic!("{entry} {constants:?}: {error}"));
     validator()
         .validate(&module)
         .unwrap_or_else(|error| panic!("{entry} {constants:?}: {error:?}"));
+    module.into_owned()
 }
 
 /// How many values each feature of [`key_of`] has.
@@ -225,22 +236,176 @@ fn all_pairs_of_features_meet() {
 
 #[test]
 fn the_tracing_program_is_valid_for_every_pair_of_features() {
-    let module = parse(TRACE);
     for needs in pairwise_keys() {
-        specialise(&module, "trace_main", &needs.constants());
+        specialise(TRACE, "trace_main", &needs.constants());
     }
-    specialise(&module, "baseline_main", &pairwise_keys()[0].constants());
+    specialise(TRACE, "baseline_main", &pairwise_keys()[0].constants());
 }
 
 #[test]
 fn the_tracing_program_is_valid_for_every_preset() {
-    let module = parse(TRACE);
     let keys = preset_keys();
     // Cloth that is bent has one level, and what has several is not: neither stands for the other.
     assert!(keys.iter().any(|key| key.bent && !key.levels));
     assert!(keys.iter().any(|key| key.levels && !key.bent));
     for needs in keys {
-        specialise(&module, "trace_main", &needs.constants());
+        specialise(TRACE, "trace_main", &needs.constants());
+    }
+}
+
+/// Names of the functions that a pipeline is made of.
+fn functions_for(key: &PipelineKey) -> BTreeSet<String> {
+    let module = specialise(TRACE, "trace_main", &key.constants());
+    let names = module
+        .functions
+        .iter()
+        .filter_map(|(_, function)| function.name.clone());
+    names.collect()
+}
+
+#[test]
+fn a_pipeline_has_no_function_that_its_constants_rule_out() {
+    let mut values = [0; 24];
+    // Lit, with ground yarns.
+    (values[2], values[6], values[13]) = (1, 1, 1);
+    let single = key_of(&values);
+    let has = |key: &PipelineKey, name: &str| functions_for(key).contains(name);
+    for (with, name) in [
+        (
+            PipelineKey {
+                method: Method::Exact,
+                ..single
+            },
+            "exact_first",
+        ),
+        (
+            PipelineKey {
+                method: Method::Tracked,
+                ..single
+            },
+            "track_visibility",
+        ),
+        (
+            PipelineKey {
+                long_paths: true,
+                ..single
+            },
+            "track",
+        ),
+        (
+            PipelineKey {
+                bent: true,
+                ..single
+            },
+            "next_segment",
+        ),
+        (PipelineKey { areas: 4, ..single }, "from_area"),
+        (
+            PipelineKey {
+                path_cutoff: true,
+                long_paths: true,
+                ..single
+            },
+            "multiple_scattering",
+        ),
+    ] {
+        assert!(has(&with, name) && !has(&single, name), "{name}");
+    }
+    assert!(has(&single, "composite_first"));
+    assert!(!has(
+        &PipelineKey {
+            method: Method::Tracked,
+            ..single
+        },
+        "composite_first"
+    ));
+}
+
+#[test]
+fn branches_that_are_never_taken_are_cut_from_the_text_alone() {
+    let cut = |body: &str| {
+        let text = format!("const ONE: u32 = 1u;\nfn f() {{ {body} }}");
+        let cut = without_dead_branches(&text, &[("ON", 1.0), ("OFF", 0.0), ("N", 1.0)]);
+        assert_eq!(cut.len(), text.len(), "{cut}");
+        let (_, cut) = cut.split_once("fn f() {").expect("the function");
+        cut.strip_suffix('}')
+            .expect("its end")
+            .split_whitespace()
+            .collect::<Vec<_>>()
+            .join(" ")
+    };
+    for (body, left) in [
+        ("if ON { a(); } b();", "{ a(); } b();"),
+        ("if OFF { a(); } b();", "b();"),
+        ("if !OFF { return; } b();", "{ return; }"),
+        (
+            "for (;;) { if ON { break; } b(); } c();",
+            "for (;;) { { break; } } c();",
+        ),
+        (
+            "if x { if ON { return; } a(); } b();",
+            "if x { { return; } } b();",
+        ),
+        (
+            "if ON { if x { return; } } b();",
+            "{ if x { return; } } b();",
+        ),
+        ("if OFF { a(); } else { b(); }", "{ b(); }"),
+        (
+            "if ON { a(); } else if x { b(); } else { c(); }",
+            "{ a(); }",
+        ),
+        (
+            "if x { a(); } else if OFF { b(); } else { c(); }",
+            "if x { a(); } else { c(); }",
+        ),
+        (
+            "if x { a(); } else if ON { b(); } else { c(); }",
+            "if x { a(); } else { b(); }",
+        ),
+        (
+            "if OFF { a(); } else if OFF { b(); } else if x { c(); }",
+            "if x { c(); }",
+        ),
+        ("if x { a(); } else if OFF { b(); }", "if x { a(); }"),
+        ("if N == ONE && x { a(); }", "if N == ONE && x { a(); }"),
+        ("if N != ONE && x { a(); }", ""),
+        ("if x && (OFF || N > ONE) { a(); }", ""),
+        ("if x || N >= ONE { a(); }", "{ a(); }"),
+        ("if x || OFF { a(); }", "if x || OFF { a(); }"),
+        (
+            "if g(ON, OFF) || v.ON { a(); }",
+            "if g(ON, OFF) || v.ON { a(); }",
+        ),
+        ("if N + 1u == ONE { a(); }", "if N + 1u == ONE { a(); }"),
+        (
+            "let on = ON && x; if on { a(); }",
+            "let on = ON && x; if on { a(); }",
+        ),
+        (
+            "let on = OFF && x; if on { a(); } b();",
+            "let on = OFF && x; b();",
+        ),
+        // What a name is worth ends with its block, and with another of that name.
+        (
+            "{ let on = OFF; } if on { a(); }",
+            "{ let on = OFF; } if on { a(); }",
+        ),
+        (
+            "let on = OFF; { let on = x; if on { a(); } }",
+            "let on = OFF; { let on = x; if on { a(); } }",
+        ),
+        (
+            "let on = OFF; { var on = x; if on { a(); } }",
+            "let on = OFF; { var on = x; if on { a(); } }",
+        ),
+        ("// if OFF {\n a();", "// if OFF { a();"),
+        (
+            "switch n { case 0u: { return; } default: { if ON { break; } a(); } } b();",
+            "switch n { case 0u: { return; } default: { { break; } } } b();",
+        ),
+    ] {
+        assert_eq!(cut(body), left, "{body}");
     }
 }
 
@@ -263,12 +428,11 @@ fn every_need_is_an_override_of_the_program_and_every_override_is_set() {
 fn the_small_programs_are_valid() {
     for aov in [0.0, 1.0] {
         let constants = [("AOV", aov)];
-        let resolve = parse(RESOLVE);
-        specialise(&resolve, "resolve_display", &constants);
-        specialise(&resolve, "resolve_linear", &constants);
-        specialise(&parse(ERROR), "error_main", &constants);
+        specialise(RESOLVE, "resolve_display", &constants);
+        specialise(RESOLVE, "resolve_linear", &constants);
+        specialise(ERROR, "error_main", &constants);
+        specialise(FINALISE, "finalise_main", &constants);
     }
-    specialise(&parse(FINALISE), "finalise_main", &[]);
 }
 
 /// All functions of a module with their names.

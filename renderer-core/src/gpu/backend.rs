@@ -1,15 +1,15 @@
 //! The GPU as a [`Backend`]: requests in, samples, pictures and a display texture out.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use crate::design::{Method, ToneMap};
 use crate::image::{Display, Picture};
-use crate::render::convergence::{PixelErrors, has_estimate, is_decision, leads_on};
+use crate::render::convergence::has_estimate;
 use crate::render::progressive::check_size;
 use crate::render::{
-    Backend, BackendKind, Counters, MAX_SIDE, Optimisation, Progress, RenderError, RenderRequest,
-    Settings,
+    Backend, BackendKind, Counters, MAX_SIDE, Progress, RenderError, RenderRequest,
 };
 
 use super::GpuContext;
@@ -19,9 +19,10 @@ use super::constants::{TONE_FILMIC, TONE_NONE};
 use super::pipeline_key::PipelineKey;
 use super::pipelines::Pipelines;
 use super::readback;
-use super::schedule::{Dispatch, Drawn, Pace, Schedule};
+use super::schedule::{Dispatch, Pace, Schedule};
 use super::shadow_memory::ShadowMemory;
 use super::upload::SceneBuffers;
+use super::work::Work;
 
 /// Longest dispatch to aim for: what shares the device with us, a desktop perhaps, waits no longer.
 const LONGEST_DISPATCH: Duration = Duration::from_millis(100);
@@ -30,7 +31,7 @@ const LONGEST_DISPATCH: Duration = Duration::from_millis(100);
 #[derive(Debug)]
 pub struct GpuBackend {
     context: GpuContext,
-    pipelines: Pipelines,
+    pipelines: Arc<Pipelines>,
     /// The scene of each level of detail.
     scenes: Vec<SceneBuffers>,
     work: Option<Work>,
@@ -43,26 +44,23 @@ pub struct GpuBackend {
     baseline: Option<(PipelineKey, wgpu::ComputePipeline)>,
 }
 
-/// A picture in the making.
-#[derive(Debug)]
-struct Work {
-    request: RenderRequest,
-    key: PipelineKey,
-    accumulation: Accumulation,
-    schedule: Schedule,
-    error_estimate: Option<f64>,
-    /// What draws it, once that is made.
-    pipeline: Option<wgpu::ComputePipeline>,
-}
-
 impl GpuBackend {
     /// Reads the shaders.
     ///
     /// # Errors
     /// When the device refuses them.
     pub fn new(context: GpuContext) -> Result<Self, RenderError> {
-        let pipelines = Pipelines::new(&context)?;
-        Ok(Self {
+        let pipelines = Arc::new(Pipelines::new(&context)?);
+        Ok(Self::with(context, pipelines))
+    }
+
+    /// Another backend on the same device, with its own pictures: what the two compile they share.
+    pub fn beside(&self) -> Self {
+        Self::with(self.context.clone(), Arc::clone(&self.pipelines))
+    }
+
+    fn with(context: GpuContext, pipelines: Arc<Pipelines>) -> Self {
+        Self {
             context,
             pipelines,
             scenes: Vec::new(),
@@ -72,7 +70,7 @@ impl GpuBackend {
             display: None,
             filter_f32: false,
             baseline: None,
-        })
+        }
     }
 
     /// The device it draws on.
@@ -184,7 +182,10 @@ impl GpuBackend {
                 })
             })?,
         };
-        let made = self.pipelines.display(context, work.request.settings.aov)?;
+        let made = self
+            .pipelines
+            .display
+            .get(context, work.request.settings.aov)?;
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
         for buffer in &work.accumulation.sums {
             // Pictures that fit a texture have few enough tiles for a dispatch, but for whole-device ones.
@@ -217,169 +218,6 @@ impl GpuBackend {
             }
         }
         Ok(Some(self.display.insert(texture)))
-    }
-}
-
-impl Work {
-    /// True if `request` is the same picture, so that only targets differ, and would have been drawn the same so far.
-    fn is_same_picture(&self, request: &RenderRequest) -> bool {
-        let [old, new] = [self.request.settings.error, request.settings.error];
-        if !leads_on(old, new, self.accumulation.has_converged_tiles()) {
-            return false;
-        }
-        let mut same = request.clone();
-        same.settings.samples = self.request.settings.samples;
-        same.settings.error = self.request.settings.error;
-        same == self.request && self.schedule.samples() <= request.settings.samples
-    }
-
-    fn is_done(&self) -> bool {
-        let settings = &self.request.settings;
-        let samples = self.schedule.samples();
-        if !self.schedule.is_between_passes() {
-            return false;
-        }
-        let precise = self
-            .error_estimate
-            .is_some_and(|error| settings.error > 0.0 && error <= settings.error);
-        samples >= settings.samples
-            || (precise && is_decision(samples))
-            || self.accumulation.drawn_count() == 0
-    }
-
-    /// Samples of the pixels that are drawn, or that would be if there were any.
-    fn samples(&self) -> u32 {
-        if self.accumulation.is_background() {
-            return self.request.settings.samples;
-        }
-        self.schedule.samples()
-    }
-
-    /// Which samples the tiles of the picture have.
-    fn drawn(&self) -> Drawn {
-        let drawn = self.schedule.drawn();
-        Drawn {
-            split_tile: self.accumulation.tile_at(drawn.split_tile),
-            ..drawn
-        }
-    }
-
-    /// Estimates the error, and ends the tiles that need no more samples.
-    fn estimate(
-        &mut self,
-        context: &GpuContext,
-        pipelines: &mut Pipelines,
-    ) -> Result<(), RenderError> {
-        let samples = self.schedule.samples();
-        let (accumulation, request) = (&mut self.accumulation, &self.request);
-        let errors = readback::tile_errors(context, pipelines, accumulation, request, samples)?;
-        let mut whole = PixelErrors::default();
-        for tile in &errors {
-            whole += *tile;
-        }
-        self.error_estimate = Some(whole.relative());
-        let target = request.settings.error;
-        let may_end = target > 0.0
-            && request
-                .settings
-                .optimisations
-                .has(Optimisation::ConvergedTiles);
-        if may_end && is_decision(samples) {
-            let is_done = |tile: &PixelErrors| tile.have_converged(&whole, target);
-            if accumulation.end_tiles(context, request, samples, &errors, is_done)? {
-                self.schedule.set_tiles(accumulation.drawn_count());
-            }
-        }
-        Ok(())
-    }
-
-    fn progress(&self) -> Progress {
-        Progress {
-            samples: self.samples(),
-            error_estimate: self.error_estimate,
-            done: self.is_done(),
-        }
-    }
-
-    /// Draws one slice, at each level of detail that it shows, and waits for it.
-    fn draw(
-        &mut self,
-        context: &GpuContext,
-        (pipeline, layout): (&wgpu::ComputePipeline, &wgpu::BindGroupLayout),
-        scenes: &[SceneBuffers],
-        dispatch: &Dispatch,
-        shadows: &[Option<ShadowMemory>],
-    ) -> Result<(), RenderError> {
-        let (buffer, _) = self.accumulation.buffer_of(dispatch.tiles.start);
-        let mut slice = self
-            .accumulation
-            .slice(&self.request, buffer, dispatch.tiles.clone());
-        slice.first_sample = dispatch.samples.start;
-        slice.end_sample = dispatch.samples.end;
-        slice.stride = dispatch.stride;
-        slice.pixels_per_tile = dispatch.pixels_per_tile();
-        let rows_of_workgroups = rows_of_workgroups(context, &self.request.settings);
-        slice.background[3] = rows_of_workgroups as f32;
-        let rows = self.accumulation.rows_of(&dispatch.tiles);
-        let [from, to] = rows.map(|row| slice.corner[1] + row);
-        let levels = self
-            .request
-            .view
-            .rows(self.request.size[1])
-            .of_rows(from, to);
-        let encoder = context.guarded(|| {
-            let mut encoder = context.encoder();
-            let buffers = &self.accumulation.levels;
-            let all = scenes.iter().zip(buffers).enumerate();
-            for (level, (scene, of_level)) in all.filter(|(level, _)| levels.contains(level)) {
-                slice.level = level as u32;
-                if let Some(Some(shadows)) = shadows.get(level) {
-                    shadows.describe(&mut slice);
-                }
-                let slice = slice_buffer(context, &slice);
-                let group = context
-                    .device
-                    .create_bind_group(&wgpu::BindGroupDescriptor {
-                        label: Some("slice"),
-                        layout,
-                        entries: &[
-                            entry(bindings::RAY_TILES, &of_level.rays),
-                            entry(bindings::SUMS, &buffer.buffer),
-                            entry(bindings::SLICE, &slice),
-                            entry(bindings::TOTALS, &of_level.totals),
-                        ],
-                    });
-                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-                pass.set_pipeline(pipeline);
-                pass.set_bind_group(0, &scene.group, &[]);
-                pass.set_bind_group(1, &group, &[]);
-                pass.dispatch_workgroups(dispatch.workgroups(), rows_of_workgroups, 1);
-            }
-            encoder
-        })?;
-        context.submit_and_wait(encoder)?;
-        self.schedule.finish(dispatch);
-        Ok(())
-    }
-}
-
-/// Most scatterings of paths whose loops software Vulkan never cuts short when it runs them in step.
-const MOST_BOUNCES_IN_STEP: u32 = 5;
-/// Threads that software Vulkan runs in step.
-const THREADS_IN_STEP: u32 = 8;
-
-/// How many rows of workgroups share out the threads of a dispatch, each thread working in one of them.
-///
-/// Mesa's software Vulkan ends all loops of the threads that it runs in step after 65,535 rounds, whatever the loops
-/// are about, and reports nothing: paths then end inside the cloth as if they had left it. Where such threads part, the
-/// rounds of all of them add up. Eight paths of 64 scatterings in crowded terry need 32,000 in the mean and up to
-/// 100,000; one alone 6,000 and up to 50,000. So threads with long paths run alone.
-fn rows_of_workgroups(context: &GpuContext, settings: &Settings) -> u32 {
-    let bounces = settings.path_cutoff().unwrap_or(settings.bounces);
-    if context.is_software() && bounces > MOST_BOUNCES_IN_STEP {
-        THREADS_IN_STEP
-    } else {
-        1
     }
 }
 
@@ -466,7 +304,7 @@ impl Backend for GpuBackend {
             let settings = &work.request.settings;
             let samples = work.schedule.samples();
             // Samples that learn shadows from each other come one by one. On software Vulkan all do: see
-            // `rows_of_workgroups`.
+            // `rows_of_workgroups` in work.rs.
             let caches = work.key.cached_shadows;
             let learns = caches && settings.caches_shadows(samples);
             let most = if learns || self.context.is_software() {
@@ -489,11 +327,11 @@ impl Backend for GpuBackend {
             let samples = work.schedule.samples();
             if caches && samples > before && work.request.settings.caches_shadows(samples) {
                 for shadows in self.shadows.iter().flatten() {
-                    shadows.finalise(&self.context, &mut self.pipelines)?;
+                    shadows.finalise(&self.context, &self.pipelines)?;
                 }
             }
             if work.schedule.is_between_passes() && has_estimate(samples) {
-                work.estimate(&self.context, &mut self.pipelines)?;
+                work.estimate(&self.context, &self.pipelines)?;
             }
             if start.elapsed() >= slice {
                 break;
@@ -517,7 +355,7 @@ impl Backend for GpuBackend {
             None => Ok(Picture::default()),
             Some(work) => readback::picture(
                 &self.context,
-                &mut self.pipelines,
+                &self.pipelines,
                 &work.accumulation,
                 &work.request,
                 work.drawn(),

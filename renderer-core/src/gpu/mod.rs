@@ -8,11 +8,13 @@
 //!   is lost.
 //! - [`layout`]: the only mirrors of WGSL structs. [`constants`]: numbers that both sides share. `bindings`: what
 //!   programs are bound to.
-//! - [`shaders`]: the files of shaders/ put together. `program`: one of them on the device. [`pipeline_key`]: what of
-//!   the tracing program a scene uses. `pipelines`: all programs; `pipeline_compiler`: the thread that compiles tracing
-//!   pipelines; `pipeline_cache`: compiled ones that outlive the program.
+//! - [`shaders`]: the files of shaders/ put together; [`dead_branches`]: without what a pipeline does not use.
+//!   `program`: one of them on the device. [`pipeline_key`]: what of the tracing program a scene uses. `pipelines`: all
+//!   programs; `pipeline_compiler`: the thread that compiles tracing pipelines; `pipeline_cache`: compiled ones that
+//!   outlive the program.
 //! - `scene_bindings`: what of a scene is bound, in one table, with `scene_constants` and `scene_textures`. `upload`: a
-//!   scene on the device. `accumulation`: the sums. `schedule`: what to draw next, and how much.
+//!   scene on the device. `accumulation`: the sums. `schedule`: what to draw next, and how much. `work`: a picture in
+//!   the making.
 //! - `readback`: pictures, error estimate and counters back on the host. [`backend`]: all of it as a
 //!   [`Backend`](crate::render::Backend).
 //!
@@ -24,6 +26,7 @@ pub mod backend;
 mod bindings;
 pub mod constants;
 pub mod context;
+pub mod dead_branches;
 mod highlight;
 pub mod layout;
 mod pipeline_cache;
@@ -40,6 +43,7 @@ pub mod shaders;
 mod shadow_memory;
 mod upload;
 mod watch;
+mod work;
 
 pub use adapters::{AdapterSummary, adapters};
 pub use backend::GpuBackend;

@@ -2,8 +2,8 @@
 //! on.
 //!
 //! There is one thread, and it makes one pipeline at a time: of all that is wanted meanwhile only the last counts, so
-//! that nothing piles up while a design changes. What is made is kept. A pipeline fits the key it was made for and no
-//! others.
+//! that nothing piles up while a design changes. Of several backends that wait for different pipelines each asks again
+//! until its own is there. What is made is kept. A pipeline fits the key it was made for and no others.
 
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -1,7 +1,6 @@
-//! The programs and their pipelines, made when first needed and kept.
+//! The programs of a device and their pipelines, made when first needed and kept, for all backends that share them.
 
-use std::collections::HashMap;
-use std::collections::hash_map::Entry;
+use std::sync::OnceLock;
 
 use crate::render::RenderError;
 
@@ -11,7 +10,7 @@ use super::layout::Slice;
 use super::pipeline_compiler::PipelineCompiler;
 use super::program::Program;
 use super::scene_bindings;
-use super::shaders::{ERROR, FINALISE, RESOLVE, TRACE};
+use super::shaders::{ERROR, FINALISE, Part, RESOLVE, TRACE};
 
 /// All pipelines of a device.
 #[derive(Debug)]
@@ -20,15 +19,14 @@ pub struct Pipelines {
     pub scene_layout: wgpu::BindGroupLayout,
     /// Makes the pipelines that add samples.
     pub trace: PipelineCompiler,
-    display: Program,
-    linear: Program,
-    error: Program,
-    finalise: Program,
-    /// Keyed by AOV.
-    displays: HashMap<bool, wgpu::ComputePipeline>,
-    linears: HashMap<bool, wgpu::ComputePipeline>,
-    errors: HashMap<bool, wgpu::ComputePipeline>,
-    finaliser: Option<wgpu::ComputePipeline>,
+    /// Fills the display texture.
+    pub display: ByAov,
+    /// Fills a buffer with linear pixels.
+    pub linear: ByAov,
+    /// Sums up errors.
+    pub error: ByAov,
+    /// Makes learned shadows known; the same for both.
+    pub finalise: ByAov,
 }
 
 impl Pipelines {
@@ -46,93 +44,62 @@ impl Pipelines {
                 view_dimension: wgpu::TextureViewDimension::D2,
             },
         );
-        let program = |parts, scene, entries: &[_]| Program::new(context, parts, scene, entries);
-        let trace = program(
-            TRACE,
-            Some(&scene_layout),
-            &[
-                storage(bindings::RAY_TILES, true),
-                sums,
-                slice,
-                storage(bindings::TOTALS, false),
-            ],
-        )?;
+        let totals = storage(bindings::TOTALS, false);
+        let rays = storage(bindings::RAY_TILES, true);
+        let trace = &[rays, sums, slice, totals];
+        let trace = Program::new(context, TRACE, Some(&scene_layout), trace)?;
+        let linear = storage(bindings::LINEAR, false);
+        let errors = storage(bindings::TILE_ERRORS, false);
+        let by_aov = |parts, entry, bound: &[_]| ByAov::new(context, parts, entry, bound);
         Ok(Self {
             trace: PipelineCompiler::new(context, trace)?,
-            display: program(RESOLVE, None, &[sums, slice, ends, display])?,
-            linear: program(
-                RESOLVE,
-                None,
-                &[sums, slice, ends, storage(bindings::LINEAR, false)],
-            )?,
-            error: program(
-                ERROR,
-                None,
-                &[sums, slice, ends, storage(bindings::TILE_ERRORS, false)],
-            )?,
-            finalise: program(FINALISE, None, &[storage(bindings::TOTALS, false)])?,
+            display: by_aov(RESOLVE, "resolve_display", &[sums, slice, ends, display])?,
+            linear: by_aov(RESOLVE, "resolve_linear", &[sums, slice, ends, linear])?,
+            error: by_aov(ERROR, "error_main", &[sums, slice, ends, errors])?,
+            finalise: by_aov(FINALISE, "finalise_main", &[totals])?,
             scene_layout,
-            displays: HashMap::new(),
-            linears: HashMap::new(),
-            errors: HashMap::new(),
-            finaliser: None,
         })
-    }
-
-    /// The pipeline that fills the display texture.
-    pub fn display(&mut self, context: &GpuContext, aov: bool) -> Made<'_> {
-        made(
-            &self.display,
-            &mut self.displays,
-            context,
-            "resolve_display",
-            aov,
-        )
-    }
-
-    /// The pipeline that fills a buffer with linear pixels.
-    pub fn linear(&mut self, context: &GpuContext, aov: bool) -> Made<'_> {
-        made(
-            &self.linear,
-            &mut self.linears,
-            context,
-            "resolve_linear",
-            aov,
-        )
-    }
-
-    /// The pipeline that sums up errors.
-    pub fn error(&mut self, context: &GpuContext, aov: bool) -> Made<'_> {
-        made(&self.error, &mut self.errors, context, "error_main", aov)
-    }
-
-    /// The pipeline that makes learned shadows known.
-    pub fn finalise(&mut self, context: &GpuContext) -> Made<'_> {
-        let pipeline = match self.finaliser.take() {
-            Some(pipeline) => pipeline,
-            None => self.finalise.pipeline(context, "finalise_main", &[])?,
-        };
-        Ok((self.finaliser.insert(pipeline), &self.finalise.group))
     }
 }
 
 /// A pipeline and the layout of its group 1.
 pub type Made<'a> = Result<(&'a wgpu::ComputePipeline, &'a wgpu::BindGroupLayout), RenderError>;
 
-/// The pipeline for `aov` of a program that depends on nothing else.
-fn made<'a>(
-    program: &'a Program,
-    made: &'a mut HashMap<bool, wgpu::ComputePipeline>,
-    context: &GpuContext,
-    entry_point: &str,
-    aov: bool,
-) -> Made<'a> {
-    let pipeline = match made.entry(aov) {
-        Entry::Occupied(made) => made.into_mut(),
-        Entry::Vacant(place) => {
-            let constants = [("AOV", f64::from(u8::from(aov)))];
-            place.insert(program.pipeline(context, entry_point, &constants)?)
-        }
-    };
-    Ok((pipeline, &program.group))
+/// A program of which there are two pipelines: for sums with and without AOVs.
+#[derive(Debug)]
+pub struct ByAov {
+    program: Program,
+    entry_point: &'static str,
+    made: [OnceLock<wgpu::ComputePipeline>; 2],
+}
+
+impl ByAov {
+    fn new(
+        context: &GpuContext,
+        parts: &[Part],
+        entry_point: &'static str,
+        bound: &[wgpu::BindGroupLayoutEntry],
+    ) -> Result<Self, RenderError> {
+        Ok(Self {
+            program: Program::new(context, parts, None, bound)?,
+            entry_point,
+            made: Default::default(),
+        })
+    }
+
+    /// The pipeline, made now if it is not yet. Where two threads make it at once, both use the first that is there.
+    pub fn get(&self, context: &GpuContext, aov: bool) -> Made<'_> {
+        let place = &self.made[usize::from(aov)];
+        let pipeline = match place.get() {
+            Some(pipeline) => pipeline,
+            None => {
+                let constants = [("AOV", f64::from(u8::from(aov)))];
+                let made = self
+                    .program
+                    .pipeline(context, self.entry_point, &constants)?;
+                place.get_or_init(|| made)
+            }
+        };
+        Ok((pipeline, &self.program.group))
+    }
 }

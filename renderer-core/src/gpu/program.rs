@@ -9,17 +9,17 @@ use super::shaders::{Composed, Part};
 /// A program and the layouts of its bindings.
 #[derive(Debug)]
 pub struct Program {
-    module: wgpu::ShaderModule,
+    text: Composed,
     layout: wgpu::PipelineLayout,
     /// Layout of group 1.
     pub group: wgpu::BindGroupLayout,
 }
 
 impl Program {
-    /// Compiles `parts`, with the layout of the scene if they read one, and `entries` as group 1.
+    /// Composes `parts`, with the layout of the scene if they read one, and `entries` as group 1.
     ///
     /// # Errors
-    /// When the device refuses them.
+    /// When the device refuses the layouts.
     pub fn new(
         context: &GpuContext,
         parts: &[Part],
@@ -27,7 +27,6 @@ impl Program {
         entries: &[wgpu::BindGroupLayoutEntry],
     ) -> Result<Self, RenderError> {
         let device = &context.device;
-        let module = Composed::new(parts).compile(device)?;
         context.guarded(|| {
             let group = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
                 label: None,
@@ -39,14 +38,15 @@ impl Program {
                 immediate_size: 0,
             });
             Self {
-                module,
+                text: Composed::new(parts),
                 layout,
                 group,
             }
         })
     }
 
-    /// A pipeline with these values of its `override` constants.
+    /// A pipeline with these values of its `override` constants. Its text is compiled for them alone: that takes a
+    /// small part of the time in which drivers would go through what it does not use.
     ///
     /// # Errors
     /// When the device refuses it.
@@ -56,13 +56,14 @@ impl Program {
         entry_point: &str,
         constants: &[(&str, f64)],
     ) -> Result<wgpu::ComputePipeline, RenderError> {
+        let module = self.text.specialised(constants).compile(&context.device)?;
         context.guarded(|| {
             context
                 .device
                 .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                     label: Some(entry_point),
                     layout: Some(&self.layout),
-                    module: &self.module,
+                    module: &module,
                     entry_point: Some(entry_point),
                     compilation_options: wgpu::PipelineCompilationOptions {
                         constants,

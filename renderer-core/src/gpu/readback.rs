@@ -73,7 +73,7 @@ fn floats(bytes: &[u8]) -> Vec<f32> {
 /// The mean so far.
 pub fn picture(
     context: &GpuContext,
-    pipelines: &mut Pipelines,
+    pipelines: &Pipelines,
     accumulation: &Accumulation,
     request: &RenderRequest,
     drawn: Drawn,
@@ -91,7 +91,7 @@ pub fn picture(
             albedo: vec![[0.0; 3]; count],
         }),
     };
-    let made = pipelines.linear(context, aov)?;
+    let made = pipelines.linear.get(context, aov)?;
     for buffer in &accumulation.sums {
         for first in buffer.tiles.clone().step_by(TILES_AT_A_TIME as usize) {
             let tiles = first..(first + TILES_AT_A_TIME).min(buffer.tiles.end);
@@ -144,12 +144,12 @@ pub fn show(slice: &mut Slice, drawn: Drawn) {
 /// The error of each tile, of which those that are drawn have `samples` samples.
 pub fn tile_errors(
     context: &GpuContext,
-    pipelines: &mut Pipelines,
+    pipelines: &Pipelines,
     accumulation: &Accumulation,
     request: &RenderRequest,
     samples: u32,
 ) -> Result<Vec<PixelErrors>, RenderError> {
-    let made = pipelines.error(context, request.settings.aov)?;
+    let made = pipelines.error.get(context, request.settings.aov)?;
     // One workgroup a tile, so no more tiles in a dispatch than it may have workgroups.
     let tiles_at_a_time = context.limits.max_compute_workgroups_per_dimension;
     let mut errors = Vec::new();

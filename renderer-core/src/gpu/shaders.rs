@@ -2,6 +2,7 @@
 //! file and line.
 
 use super::constants::prelude;
+use super::dead_branches::without_dead_branches;
 use crate::render::RenderError;
 
 /// A shader file: name and text.
@@ -50,6 +51,15 @@ impl Composed {
             }
         }
         Self { text, starts }
+    }
+
+    /// The same without what these values of its `override` constants rule out, at the same lines.
+    #[must_use]
+    pub fn specialised(&self, overrides: &[(&str, f64)]) -> Self {
+        Self {
+            text: without_dead_branches(&self.text, overrides),
+            starts: self.starts.clone(),
+        }
     }
 
     /// File and line (from 1) of a line (from 1) of the module.

@@ -77,12 +77,8 @@ impl ShadowMemory {
     ///
     /// # Errors
     /// When the device fails.
-    pub fn finalise(
-        &self,
-        context: &GpuContext,
-        pipelines: &mut Pipelines,
-    ) -> Result<(), RenderError> {
-        let made = pipelines.finalise(context)?;
+    pub fn finalise(&self, context: &GpuContext, pipelines: &Pipelines) -> Result<(), RenderError> {
+        let made = pipelines.finalise.get(context, false)?;
         let workgroups = self.entries.div_ceil(WORKGROUP).min(MAX_WORKGROUPS);
         context.guarded(|| {
             let mut encoder = context.encoder();

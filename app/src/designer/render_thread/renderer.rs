@@ -1,7 +1,7 @@
 //! A backend and the way its pictures reach the window: as pixels, or, where the backend draws on the window's own GPU
 //! device, as a texture that never leaves it.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use egui::{Color32, ColorImage};
 use rayon::prelude::*;
@@ -46,6 +46,8 @@ pub fn for_window(
         let context = GpuContext::from_device(state.device, state.queue, info, watch).ok()?;
         Some(with_kept_pipelines(context))
     });
+    // Draws nothing itself: what it has compiled is there at once for those that do, however often one switches.
+    let first: Mutex<Option<GpuBackend>> = Mutex::default();
     Arc::new(move |choice| {
         // A lost device is lost for good; until the window has a new one, a device apart may do.
         let usable = context
@@ -57,7 +59,14 @@ pub fn for_window(
             BackendChoice::Cpu | BackendChoice::Reference => false,
         });
         Ok(match within {
-            Some(context) => Renderer::Within(Box::new(GpuBackend::new(context.clone())?)),
+            Some(context) => {
+                let mut first = first.lock().unwrap_or_else(PoisonError::into_inner);
+                let first = match &mut *first {
+                    Some(first) => first,
+                    none => none.insert(GpuBackend::new(context.clone())?),
+                };
+                Renderer::Within(Box::new(first.beside()))
+            }
             None => Renderer::Apart(make(choice)?),
         })
     })

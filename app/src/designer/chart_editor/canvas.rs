@@ -1,4 +1,6 @@
 //! The canvas of the chart editor: where the chart lies, gestures by pointer and keys, and what is drawn over it.
+//!
+//! Longer than most files because pointer and keys do the same to one gesture, which is drawn while it lasts.
 
 use std::ops::Range;
 

@@ -1,5 +1,8 @@
 //! The viewport: requests a picture of the document from its camera, shows what the render thread has of it, and turns
 //! gestures into camera moves.
+//!
+//! Longer than most files because it is all that the rest of the window may ask of the picture; how each thing is done
+//! stands in the files beside it.
 
 mod calibrate;
 pub mod camera_moves;

@@ -3,6 +3,9 @@
 //! The yarns are the means of clusters of colours in Oklab (k-means with the starts of k-means++, Arthur and
 //! Vassilvitskii 2007; the best of some starts from fixed seeds). A cluster with one colour that outweighs the others,
 //! as the flat parts of a logo have beside its smooth edges, takes that colour exactly.
+//!
+//! Longer than most files because choosing yarns and giving them to pixels share distances and what is remembered of
+//! them.
 
 use std::collections::HashMap;
 

@@ -9,6 +9,8 @@
 //!
 //! Spaces: *sheet* is the flat cloth, *world* where it lies; `world_from_sheet`. In a tetrahedron a place is given in
 //! *coordinates* of its hexahedron, from 0 to 1 along x, y and z.
+//!
+//! Longer than most files because every question about the mesh rests on the same corners and boxes.
 
 mod height;
 mod net;

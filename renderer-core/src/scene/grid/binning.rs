@@ -3,6 +3,8 @@
 //! Method: bands of block rows in parallel. A band looks at all loops that can reach it, row after row, notes (block,
 //! loop, occupancy masks, height range), and sorts the notes by block by counting. Heights are found for each quarter,
 //! so that a part of a loop that is low in one and high in another stays out of the others.
+//!
+//! Longer than most files because parts of loops and whole footprints are noted by one walk over subcells.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};

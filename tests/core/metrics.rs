@@ -9,26 +9,7 @@ use renderer_core::image::{
     encode_png_gray_alpha,
 };
 
-/// A picture whose pixels are all different.
-fn gradient(size: [u32; 2]) -> Picture {
-    let pixel = |k: u32| {
-        let k = k as f32;
-        [0.1 + k / 64.0, 0.9 - k / 100.0, (k * 0.37).fract(), 1.0]
-    };
-    Picture {
-        size,
-        pixels: (0..size[0] * size[1]).map(pixel).collect(),
-        aov: None,
-    }
-}
-
-fn uniform(size: [u32; 2], pixel: [f32; 4]) -> Picture {
-    Picture {
-        size,
-        pixels: vec![pixel; (size[0] * size[1]) as usize],
-        aov: None,
-    }
-}
+use crate::support::pictures::{gradient, uniform};
 
 const LINEAR: Display = Display {
     exposure: 0.0,

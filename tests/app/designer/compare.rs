@@ -1,6 +1,6 @@
 //! What is seen of the picture itself: the loupe, and a snapshot beside it.
 
-use super::view::{camera, focus_viewport, is_said, picture_rect, setup, undo};
+use super::view::{camera, focus_viewport, is_said, on_processor, picture_rect, undo};
 use super::*;
 
 /// A backend that draws black and white columns of one pixel, and tints the cloth by its number of warps.
@@ -49,13 +49,7 @@ impl Backend for Stripes {
 }
 
 pub(super) fn striped() -> towel_designer::designer::MakeBackend {
-    Arc::new(|_| {
-        let flat = FlatBackend {
-            size: [1, 1],
-            samples: 0,
-        };
-        Ok(Box::new(Stripes(flat, 0)))
-    })
+    Arc::new(|_| Ok(Box::new(Stripes(FlatBackend::default(), 0))))
 }
 
 /// A designer whose window can be photographed.
@@ -64,7 +58,7 @@ fn photographed() -> Harness<'static, App> {
         .with_size(vec2(1000.0, 560.0))
         .with_step_dt(1.0 / 60.0)
         .wgpu()
-        .build_eframe(|cc| App::new(cc, setup(striped(), None)));
+        .build_eframe(|cc| App::new(cc, on_processor(striped())));
     harness.run_steps(3);
     wait_for_whole_picture(&mut harness, 0);
     // A gesture, so that the hint is gone.

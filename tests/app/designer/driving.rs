@@ -14,12 +14,21 @@ use renderer_core::design::Design;
 use renderer_core::image::Picture;
 use renderer_core::render::{Backend, BackendKind, Counters, Progress, RenderError, RenderRequest};
 use towel_designer::backend::BackendChoice;
-use towel_designer::designer::{App, Setup};
+use towel_designer::designer::{App, Folders, MakeBackend, Setup};
 
 /// A backend that draws flat gray at once: these tests are about the window, not about the cloth.
 pub(crate) struct FlatBackend {
     pub(crate) size: [u32; 2],
     pub(crate) samples: u32,
+}
+
+impl Default for FlatBackend {
+    fn default() -> Self {
+        Self {
+            size: [1, 1],
+            samples: 0,
+        }
+    }
 }
 
 impl Backend for FlatBackend {
@@ -67,28 +76,48 @@ pub(crate) fn designer(preset: Option<PathBuf>) -> Harness<'static, App> {
     designer_of_size(preset, vec2(1280.0, 720.0))
 }
 
-/// A designer without system dialogs, its first frames shown.
 pub(crate) fn designer_of_size(preset: Option<PathBuf>, size: Vec2) -> Harness<'static, App> {
+    let setup = Setup {
+        preset,
+        ..setup(flat())
+    };
+    window(size, setup)
+}
+
+/// A designer whose first frames are shown.
+pub(crate) fn window(size: Vec2, setup: Setup) -> Harness<'static, App> {
     let mut harness = Harness::builder()
         .with_size(size)
         .with_step_dt(1.0 / 60.0)
-        .build_eframe(|cc| {
-            let setup = Setup {
-                preset,
-                choice: BackendChoice::Auto,
-                make: Arc::new(|_| {
-                    Ok(Box::new(FlatBackend {
-                        size: [1, 1],
-                        samples: 0,
-                    }))
-                }),
-                system_dialogs: false,
-                folders: None,
-            };
-            App::new(cc, setup)
-        });
+        .build_eframe(|cc| App::new(cc, setup));
     harness.run_steps(3);
     harness
+}
+
+/// A window without system dialogs, a design of its own and folders, whose backend nobody has chosen.
+pub(crate) fn setup(make: MakeBackend) -> Setup {
+    Setup {
+        preset: None,
+        choice: BackendChoice::Auto,
+        make,
+        system_dialogs: false,
+        folders: None,
+    }
+}
+
+/// Flat gray, whichever backend is asked for.
+pub(crate) fn flat() -> MakeBackend {
+    Arc::new(|_| Ok(Box::new(FlatBackend::default())))
+}
+
+/// The program's folders in the home of its user.
+pub(crate) fn folders_in(home: &Path) -> Folders {
+    Folders {
+        config: home.join("config"),
+        cache: home.join("cache"),
+        state: home.join("state"),
+        presets: home.join("presets"),
+    }
 }
 
 /// Longest time in which what is waited for comes, on a busy machine with a software GPU.

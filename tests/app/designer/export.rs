@@ -16,16 +16,18 @@ use towel_designer::backend::BackendChoice;
 use towel_designer::designer::{App, MakeBackend, Setup};
 use towel_designer::files;
 
-use super::{choose, click, design, designer, rest, type_number, type_path, wait};
+use super::{choose, click, design, designer, rest, setup, type_number, type_path, wait, window};
 
 type Refusal = fn() -> RenderError;
 
-/// Draws gray as a slow device does, a sample in 10 ms, and can be made never to begin or to refuse.
+/// Draws gray, and can be made never to end, never to begin or to refuse.
 struct Gray {
+    /// Samples that it draws at once; it is at work on the next for ever.
+    most: u32,
     samples: u32,
     wanted: u32,
     size: [u32; 2],
-    refuses: Option<fn() -> RenderError>,
+    refuses: Option<Refusal>,
     /// Compiles what it draws with, for ever.
     compiles: bool,
     /// Who holds the other end sees when it is dropped.
@@ -50,9 +52,11 @@ impl Backend for Gray {
         Ok(())
     }
 
-    fn advance(&mut self, _: Duration, cancel: &AtomicBool) -> Result<Progress, RenderError> {
-        if !cancel.load(Ordering::Relaxed) {
-            std::thread::sleep(Duration::from_millis(10));
+    fn advance(&mut self, slice: Duration, cancel: &AtomicBool) -> Result<Progress, RenderError> {
+        if self.samples == self.most {
+            // Nobody wakes it: at work as long as it is allowed to be.
+            std::thread::park_timeout(slice);
+        } else if !cancel.load(Ordering::Relaxed) {
             self.samples += 1;
         }
         Ok(Progress {
@@ -84,47 +88,57 @@ impl Backend for Gray {
     }
 }
 
-/// A designer whose exports are gray, and fail if `refuses` says so; the viewport is drawn by another choice.
-fn with_gray(preset: Option<&Path>, refuses: Option<fn() -> RenderError>) -> Harness<'static, App> {
-    with_backends(preset, refuses, false, &Arc::default())
+/// What becomes of exports; the viewport is drawn at once. Every backend holds `alive`.
+#[derive(Clone)]
+struct Exports {
+    /// Samples that any backend draws at once, to be at work on the next for ever.
+    most: u32,
+    /// Why the GPU refuses, if it does.
+    refuses: Option<Refusal>,
+    /// Whether the GPU never begins, because it compiles.
+    compiles: bool,
+    alive: Arc<()>,
 }
 
-/// As [`with_gray`]; what is exported by the GPU may also never begin because the GPU `compiles`. Every backend holds
-/// `alive`.
-fn with_backends(
-    preset: Option<&Path>,
-    refuses: Option<fn() -> RenderError>,
-    compiles: bool,
-    alive: &Arc<()>,
-) -> Harness<'static, App> {
-    let preset = preset.map(Path::to_path_buf);
-    let alive = Arc::clone(alive);
-    let make: MakeBackend = Arc::new(move |choice| {
-        let is_gpu = choice == BackendChoice::Gpu;
-        Ok(Box::new(Gray {
-            samples: 0,
-            wanted: 0,
-            size: [1, 1],
-            refuses: refuses.filter(|_| is_gpu),
-            compiles: compiles && is_gpu,
-            _alive: Arc::clone(&alive),
-        }))
-    });
-    let mut harness = Harness::builder()
-        .with_size(vec2(1280.0, 900.0))
-        .with_step_dt(1.0 / 60.0)
-        .build_eframe(|cc| {
-            let setup = Setup {
-                preset,
-                choice: BackendChoice::Cpu,
-                make,
-                system_dialogs: false,
-                folders: None,
-            };
-            App::new(cc, setup)
+impl Default for Exports {
+    fn default() -> Self {
+        Self {
+            most: u32::MAX,
+            refuses: None,
+            compiles: false,
+            alive: Arc::default(),
+        }
+    }
+}
+
+impl Exports {
+    /// A designer whose exports are gray.
+    fn window(&self, preset: Option<&Path>) -> Harness<'static, App> {
+        let exports = self.clone();
+        let make: MakeBackend = Arc::new(move |choice| {
+            let is_gpu = choice == BackendChoice::Gpu;
+            Ok(Box::new(Gray {
+                most: exports.most,
+                samples: 0,
+                wanted: 0,
+                size: [1, 1],
+                refuses: exports.refuses.filter(|_| is_gpu),
+                compiles: exports.compiles && is_gpu,
+                _alive: Arc::clone(&exports.alive),
+            }))
         });
-    harness.run_steps(3);
-    harness
+        let setup = Setup {
+            preset: preset.map(Path::to_path_buf),
+            choice: BackendChoice::Cpu,
+            ..setup(make)
+        };
+        window(vec2(1280.0, 900.0), setup)
+    }
+}
+
+/// A designer whose exports are gray and end at once.
+fn with_gray(preset: Option<&Path>) -> Harness<'static, App> {
+    Exports::default().window(preset)
 }
 
 fn open(harness: &mut Harness<'_, App>) {
@@ -206,7 +220,7 @@ fn every_kind_of_file_is_what_it_says() {
         (Some("PNG, 16 bit"), "sixteen.png"),
         (Some("EXR, linear light"), "light.exr"),
     ] {
-        let mut harness = with_gray(None, None);
+        let mut harness = with_gray(None);
         open(&mut harness);
         if let Some(kind) = kind {
             choose(&mut harness, "File", kind);
@@ -260,17 +274,20 @@ fn every_kind_of_file_is_what_it_says() {
 fn a_long_export_shows_its_progress_beside_editing_and_is_cancelled_at_once() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("long.png");
-    let backends = Arc::new(());
-    let mut harness = with_backends(None, None, false, &backends);
+    let exports = Exports {
+        most: 1000,
+        ..Exports::default()
+    };
+    let mut harness = exports.window(None);
     rest(&mut harness);
-    let before = Arc::strong_count(&backends);
+    let before = Arc::strong_count(&exports.alive);
     open(&mut harness);
     type_number(&mut harness, "Export samples", "100000");
     export_to(&mut harness, &path);
     wait(&mut harness, "progress", |h| {
         h.query_by_label_contains(" of 100000 samples").is_some()
     });
-    // A thousand seconds and more, once some are known.
+    // More than a minute, as soon as a hundredth of the samples took a second.
     wait(&mut harness, "the time left", |h| {
         h.query_by_label_contains(" min left").is_some()
     });
@@ -283,7 +300,7 @@ fn a_long_export_shows_its_progress_beside_editing_and_is_cancelled_at_once() {
     // The thread itself ends, not only what is seen of it.
     rest(&mut harness);
     wait(&mut harness, "the end of the export", |_| {
-        Arc::strong_count(&backends) == before
+        Arc::strong_count(&exports.alive) == before
     });
     harness.run_steps(3);
     assert_eq!(
@@ -296,22 +313,29 @@ fn a_long_export_shows_its_progress_beside_editing_and_is_cancelled_at_once() {
 #[test]
 fn an_export_is_cancelled_while_the_gpu_still_compiles() {
     let folder = tempfile::tempdir().expect("a folder");
-    let backends = Arc::new(());
-    let mut harness = with_backends(None, None, true, &backends);
+    let exports = Exports {
+        compiles: true,
+        ..Exports::default()
+    };
+    let mut harness = exports.window(None);
     rest(&mut harness);
-    let before = Arc::strong_count(&backends);
+    let before = Arc::strong_count(&exports.alive);
     open(&mut harness);
     choose(&mut harness, "Backend", "gpu");
     export_to(&mut harness, &folder.path().join("never.png"));
     wait(&mut harness, "what it waits for", |h| {
         h.query_by_label_contains("Preparing the GPU").is_some()
     });
-    assert_eq!(Arc::strong_count(&backends), before + 1, "it is at work");
+    assert_eq!(
+        Arc::strong_count(&exports.alive),
+        before + 1,
+        "it is at work"
+    );
     click(&mut harness, "Cancel export");
     harness.get_by_label("Choose file and export…");
     // The thread itself ends, not only what is seen of it.
     wait(&mut harness, "the end of the export", |_| {
-        Arc::strong_count(&backends) == before
+        Arc::strong_count(&exports.alive) == before
     });
     let mut left = std::fs::read_dir(folder.path()).expect("a folder");
     assert!(left.next().is_none());
@@ -322,13 +346,17 @@ fn an_export_is_cancelled_while_the_gpu_still_compiles() {
 fn a_time_limit_ends_the_export() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("timed.png");
-    let mut harness = with_gray(None, None);
+    let exports = Exports {
+        most: 1000,
+        ..Exports::default()
+    };
+    let mut harness = exports.window(None);
     open(&mut harness);
     type_number(&mut harness, "Export samples", "100000");
     click(&mut harness, "time");
     type_number(&mut harness, "Export time", "0.05");
     export_to(&mut harness, &path);
-    // Three seconds; the samples would take a quarter of an hour.
+    // Three seconds, the least there is; the samples would take for ever.
     wait(&mut harness, "the picture", |h| {
         h.query_by_label("Exported").is_some()
     });
@@ -358,7 +386,7 @@ fn what_the_gpu_cannot_do_is_reported_with_what_to_do() {
     let mut six_face = Design::default();
     six_face.quality.method = Method::SixFace;
     files::save_design(&six_face, &preset, None).expect("saved");
-    let mut harness = with_gray(Some(&preset), None);
+    let mut harness = with_gray(Some(&preset));
     wait(&mut harness, "the preset", |h| {
         h.state().document().path().is_some()
     });
@@ -376,7 +404,11 @@ fn what_the_gpu_cannot_do_is_reported_with_what_to_do() {
     ];
     for (refusal, says) in refusals {
         let path = folder.path().join("refused.png");
-        let mut harness = with_gray(None, Some(refusal));
+        let exports = Exports {
+            refuses: Some(refusal),
+            ..Exports::default()
+        };
+        let mut harness = exports.window(None);
         open(&mut harness);
         choose(&mut harness, "Backend", "gpu");
         export_to(&mut harness, &path);
@@ -395,7 +427,7 @@ fn a_full_disk_is_reported_and_the_design_goes_on() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("full.png");
     std::os::unix::fs::symlink("/dev/full", &path).expect("a link");
-    let mut harness = with_gray(None, None);
+    let mut harness = with_gray(None);
     open(&mut harness);
     type_number(&mut harness, "Export samples", "1");
     export_to(&mut harness, &path);

@@ -12,14 +12,14 @@ use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use renderer_core::design::Design;
-use towel_designer::backend::BackendChoice;
 use towel_designer::designer::{App, Folders, Setup};
 use towel_designer::files::{self, Carried};
 
 use crate::support::png;
 
 use super::{
-    Dropped, FlatBackend, click, design, open_panel, type_number, type_path, wait, write_chart,
+    Dropped, click, design, flat, folders_in, open_panel, setup, type_number, type_path, wait,
+    window, write_chart,
 };
 
 /// A user with a home of their own.
@@ -35,37 +35,20 @@ impl User {
     }
 
     fn folders(&self) -> Folders {
-        Folders {
-            config: self.at("config"),
-            cache: self.at("cache"),
-            state: self.at("state"),
-            presets: self.at("presets"),
-        }
+        folders_in(self.0.path())
     }
 
     /// Starts the designer; a harness dropped without being asked to quit is a program that died.
     fn start(&self, preset: Option<PathBuf>) -> Harness<'static, App> {
-        let folders = self.folders();
-        let mut harness = Harness::builder()
-            .with_size(vec2(1280.0, 900.0))
-            .with_step_dt(1.0 / 60.0)
-            .build_eframe(|cc| {
-                let setup = Setup {
-                    preset,
-                    choice: BackendChoice::Auto,
-                    make: Arc::new(|_| {
-                        Ok(Box::new(FlatBackend {
-                            size: [1, 1],
-                            samples: 0,
-                        }))
-                    }),
-                    system_dialogs: false,
-                    folders: Some(folders),
-                };
-                App::new(cc, setup)
-            });
-        harness.run_steps(3);
-        harness
+        window(vec2(1280.0, 900.0), self.setup(preset))
+    }
+
+    fn setup(&self, preset: Option<PathBuf>) -> Setup {
+        Setup {
+            preset,
+            folders: Some(self.folders()),
+            ..setup(flat())
+        }
     }
 
     /// A preset with a chart beside it.
@@ -642,21 +625,7 @@ fn names_that_are_no_text_are_files_too() {
         .with_step_dt(1.0 / 60.0)
         // The window draws a box for what is no character.
         .allow_missing_glyphs()
-        .build_eframe(|cc| {
-            let setup = Setup {
-                preset: Some(odd.clone()),
-                choice: BackendChoice::Auto,
-                make: Arc::new(|_| {
-                    Ok(Box::new(FlatBackend {
-                        size: [1, 1],
-                        samples: 0,
-                    }))
-                }),
-                system_dialogs: false,
-                folders: Some(user.folders()),
-            };
-            App::new(cc, setup)
-        });
+        .build_eframe(|cc| App::new(cc, user.setup(Some(odd.clone()))));
     wait(&mut harness, "the preset", |h| {
         h.state().document().path() == Some(odd.as_path())
     });

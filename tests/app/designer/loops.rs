@@ -5,6 +5,7 @@ use std::sync::Mutex;
 use egui::ColorImage;
 use renderer_core::design::{ChartImage, Fit, Length, Pile};
 use renderer_core::scene::{LengthRule, compile, luma};
+use towel_designer::designer::MakeBackend;
 use towel_designer::designer::length_pictures::{BARS, Lengths, histogram};
 
 use super::*;
@@ -289,30 +290,23 @@ impl Backend for Counting {
 fn counting() -> (Harness<'static, App>, Begun) {
     let begun = Begun::default();
     let counter = Arc::clone(&begun);
-    let mut harness = Harness::builder()
-        .with_size(vec2(1280.0, 2000.0))
-        .with_step_dt(1.0 / 60.0)
-        .build_eframe(|cc| {
-            let flat = || FlatBackend {
-                size: [1, 1],
-                samples: 0,
-            };
-            let setup = Setup {
-                preset: None,
-                choice: BackendChoice::Reference,
-                make: Arc::new(move |choice| {
-                    Ok(match choice {
-                        BackendChoice::Cpu => Box::new(Counting(flat(), Arc::clone(&counter))),
-                        _ => Box::new(flat()),
-                    })
-                }),
-                system_dialogs: false,
-                folders: None,
-            };
-            App::new(cc, setup)
-        });
-    harness.run_steps(3);
-    (harness, begun)
+    let make: MakeBackend = Arc::new(move |choice| {
+        let flat = FlatBackend::default();
+        Ok(match choice {
+            BackendChoice::Cpu => Box::new(Counting(flat, Arc::clone(&counter))),
+            _ => Box::new(flat),
+        })
+    });
+    (tall_with_reference(make), begun)
+}
+
+/// A window in which a loop's picture and panels below it are seen, and the viewport's backend is `Reference`.
+fn tall_with_reference(make: MakeBackend) -> Harness<'static, App> {
+    let setup = Setup {
+        choice: BackendChoice::Reference,
+        ..setup(make)
+    };
+    window(vec2(1280.0, 2000.0), setup)
 }
 
 /// Shows frames until more thumbnails than `after` have been begun (where some are to come) and none for a while.
@@ -408,29 +402,13 @@ fn the_loop_turns_under_the_pointer_when_dragged_and_by_keys_and_edits_nothing()
 fn a_loop_that_cannot_be_drawn_is_reported_and_tried_once() {
     let tried = Arc::new(Mutex::new(0));
     let counter = Arc::clone(&tried);
-    let mut harness = Harness::builder()
-        .with_size(vec2(1280.0, 2000.0))
-        .with_step_dt(1.0 / 60.0)
-        .build_eframe(|cc| {
-            let setup = Setup {
-                preset: None,
-                choice: BackendChoice::Reference,
-                make: Arc::new(move |choice| match choice {
-                    BackendChoice::Cpu => {
-                        *counter.lock().expect("whole") += 1;
-                        Err(RenderError::Device("out of order".into()))
-                    }
-                    _ => Ok(Box::new(FlatBackend {
-                        size: [1, 1],
-                        samples: 0,
-                    })),
-                }),
-                system_dialogs: false,
-                folders: None,
-            };
-            App::new(cc, setup)
-        });
-    harness.run_steps(3);
+    let mut harness = tall_with_reference(Arc::new(move |choice| match choice {
+        BackendChoice::Cpu => {
+            *counter.lock().expect("whole") += 1;
+            Err(RenderError::Device("out of order".into()))
+        }
+        _ => Ok(Box::new(FlatBackend::default())),
+    }));
     open_panel(&mut harness, "Pile");
     wait(&mut harness, "the reason", |h| {
         let node = h.get_by_role_and_label(Role::Image, "One loop");

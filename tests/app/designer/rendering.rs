@@ -84,10 +84,7 @@ impl Script {
             if on_gpu && script.has_no_adapter {
                 return Err(RenderError::NoAdapter("none was found".into()));
             }
-            let flat = FlatBackend {
-                size: [1, 1],
-                samples: 0,
-            };
+            let flat = FlatBackend::default();
             Ok(Box::new(Scripted {
                 script: Arc::clone(&script),
                 on_gpu,
@@ -211,22 +208,11 @@ impl Backend for Scripted {
 }
 
 fn scripted(script: &Arc<Script>) -> Harness<'static, App> {
-    let make = script.make();
-    let mut harness = Harness::builder()
-        .with_size(vec2(1280.0, 720.0))
-        .with_step_dt(1.0 / 60.0)
-        .build_eframe(|cc| {
-            let setup = Setup {
-                preset: None,
-                choice: BackendChoice::Gpu,
-                make,
-                system_dialogs: false,
-                folders: None,
-            };
-            App::new(cc, setup)
-        });
-    harness.run_steps(3);
-    harness
+    let setup = Setup {
+        choice: BackendChoice::Gpu,
+        ..setup(script.make())
+    };
+    window(vec2(1280.0, 720.0), setup)
 }
 
 fn has_whole_picture(harness: &Harness<'_, App>) -> bool {

@@ -5,9 +5,8 @@ use egui::accesskit::Role;
 use egui::{Key, Modifiers, Theme, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use towel_designer::backend::BackendChoice;
 use towel_designer::designer::panels::Panels;
-use towel_designer::designer::{App, Folders, Setup};
+use towel_designer::designer::{App, Setup};
 
 use super::*;
 
@@ -196,13 +195,11 @@ fn write_preset(folder: &Path) -> PathBuf {
 /// The designer with a design that has a chart. The folder is its user's home.
 pub fn start(look: Look) -> (Harness<'static, App>, tempfile::TempDir) {
     let home = tempfile::tempdir().expect("a folder");
-    let folders = Folders {
-        config: home.path().join("config"),
-        cache: home.path().join("cache"),
-        state: home.path().join("state"),
-        presets: home.path().join("presets"),
+    let setup = Setup {
+        preset: Some(write_preset(home.path())),
+        folders: Some(folders_in(home.path())),
+        ..setup(flat())
     };
-    let preset = write_preset(home.path());
     let mut harness = Harness::builder()
         .with_size(look.size)
         .with_pixels_per_point(look.scale)
@@ -210,21 +207,7 @@ pub fn start(look: Look) -> (Harness<'static, App>, tempfile::TempDir) {
         .with_step_dt(1.0 / 60.0)
         // Where the pointer is last is of no interest.
         .with_render_cursor(false)
-        .build_eframe(|cc| {
-            let setup = Setup {
-                preset: Some(preset),
-                choice: BackendChoice::Auto,
-                make: Arc::new(|_| {
-                    Ok(Box::new(FlatBackend {
-                        size: [1, 1],
-                        samples: 0,
-                    }))
-                }),
-                system_dialogs: false,
-                folders: Some(folders),
-            };
-            App::new(cc, setup)
-        });
+        .build_eframe(|cc| App::new(cc, setup));
     harness.run_steps(3);
     wait(&mut harness, "the design", |h| {
         h.state().document().name() == "striped"

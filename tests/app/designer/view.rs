@@ -4,7 +4,7 @@ use egui::{Event, MouseWheelSource, MouseWheelUnit, TouchPhase};
 use glam::{DVec2, DVec3};
 use renderer_core::design::CameraDesign;
 use renderer_core::geometry::Camera;
-use towel_designer::designer::{Folders, camera_moves};
+use towel_designer::designer::{MakeBackend, camera_moves};
 
 use super::compare::striped;
 use super::*;
@@ -332,17 +332,11 @@ fn true_scale_is_a_millimetre_for_a_millimetre_and_stays_so() {
 }
 
 fn designer_with_folders(folder: &Path) -> Harness<'static, App> {
-    let folders = Folders {
-        config: folder.join("config"),
-        cache: folder.join("cache"),
-        state: folder.join("state"),
-        presets: folder.join("presets"),
+    let setup = Setup {
+        folders: Some(folders_in(folder)),
+        ..on_processor(striped())
     };
-    let mut harness = Harness::builder()
-        .with_size(vec2(1280.0, 720.0))
-        .with_step_dt(1.0 / 60.0)
-        .build_eframe(|cc| App::new(cc, setup(striped(), Some(folders))));
-    harness.run_steps(3);
+    let mut harness = window(vec2(1280.0, 720.0), setup);
     wait(&mut harness, "the picture", |h| {
         h.state().viewport().state().picture.progress.done
     });
@@ -350,16 +344,11 @@ fn designer_with_folders(folder: &Path) -> Harness<'static, App> {
     harness
 }
 
-pub(super) fn setup(
-    make: towel_designer::designer::MakeBackend,
-    folders: Option<Folders>,
-) -> Setup {
+/// As [`setup`], drawn by the processor's backend.
+pub(super) fn on_processor(make: MakeBackend) -> Setup {
     Setup {
-        preset: None,
         choice: BackendChoice::Cpu,
-        make,
-        system_dialogs: false,
-        folders,
+        ..setup(make)
     }
 }
 
@@ -564,7 +553,7 @@ fn a_lost_window_leaves_its_document_to_the_next() {
         .build_eframe(move |cc| {
             let state = cc.wgpu_render_state.as_ref().expect("a device");
             let _ = of_window.set(state.device.clone());
-            App::new(cc, setup(striped(), None))
+            App::new(cc, on_processor(striped()))
         });
     harness.run_steps(3);
     type_number(&mut harness, "Warps", "60");

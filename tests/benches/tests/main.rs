@@ -10,6 +10,8 @@
 mod edits;
 mod flip;
 mod parts;
+#[path = "../../support/pictures.rs"]
+mod pictures;
 
 use std::fs;
 use std::path::Path;

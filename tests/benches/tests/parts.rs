@@ -68,7 +68,7 @@ fn distances_are_compared_with_the_whole_cloth() {
     let what = ["bench", "plain.toml", "-o", "out", "--what", "distances"];
     let output = run(
         folder.path(),
-        &[&what[..], &["--budget", "60", "--backend", "cpu"]].concat(),
+        &[&what[..], &["--budget", "25", "--backend", "cpu"]].concat(),
     );
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{errors}");

@@ -14,6 +14,9 @@ use crate::support::device::gpu;
 use crate::support::scenes::{load_design, preset_path, request, small_towel};
 use crate::support::unlike::unlike_preset_paths;
 
+/// Software Vulkan takes three times as long for paths of more. How noise is estimated knows nothing of paths.
+const FEW_BOUNCES: u32 = 5;
+
 /// Draws to the end, in slices that end anywhere.
 fn finish(backend: &mut dyn Backend, request: &RenderRequest) -> (Progress, Picture) {
     backend.begin(request).unwrap();
@@ -81,10 +84,12 @@ fn the_estimate_is_the_true_error_of_presets() {
         let mut design = load_design(&path);
         design.quality.samples = 16;
         let request = request(&design, [24, 24]);
-        for backend in [&mut gpu as &mut dyn Backend, &mut cpu] {
-            // The promise is a factor of 2.
-            assert_estimates(&path.display().to_string(), backend, &request, 4, 2.0);
-        }
+        // The promise is a factor of 2.
+        let what = path.display().to_string();
+        assert_estimates(&what, &mut cpu, &request, 4, 2.0);
+        let mut request = request;
+        request.settings.bounces = request.settings.bounces.min(FEW_BOUNCES);
+        assert_estimates(&what, &mut gpu, &request, 4, 2.0);
     }
 }
 
@@ -122,7 +127,8 @@ fn coloured_noise_counts_in_every_channel() {
     }
 }
 
-/// Stops at `error`; the picture's true error against 8 times its samples of another seed, which add 6 %.
+/// Stops at `error`; the picture's true error against 8 times its samples of another seed, which add 6 %, by the
+/// processor, whose mean is the same.
 fn stopped_at(backend: &mut dyn Backend, request: &RenderRequest, error: f64) -> (Progress, f64) {
     let mut request = request.clone();
     (request.settings.samples, request.settings.error) = (1 << 14, error);
@@ -130,7 +136,7 @@ fn stopped_at(backend: &mut dyn Backend, request: &RenderRequest, error: f64) ->
     request.settings.error = 0.0;
     request.settings.samples = 8 * progress.samples;
     request.settings.seed += 31;
-    let (_, truth) = finish(backend, &request);
+    let (_, truth) = finish(&mut CpuBackend::default(), &request);
     (progress, metrics::rel_rmse(&picture, &truth).unwrap())
 }
 

@@ -8,11 +8,12 @@ use renderer_core::design::{
 };
 use renderer_core::gpu::GpuBackend;
 use renderer_core::image::Picture;
-use renderer_core::render::Backend;
+use renderer_core::render::{Backend, BackendKind};
 
 use crate::form::nearly_same;
 use crate::support::compare::{REPEATS, same_means, same_samples, shows_something};
 use crate::support::device::{exact_gpu, finish, gpu, on_reference, reference, repeats};
+use crate::support::pictures::scaled;
 use crate::support::scenes::{Case, load_design, preset_paths, request, small_towel};
 
 const SIZE: [u32; 2] = [48, 40];
@@ -167,7 +168,7 @@ fn tracked_paths_have_the_same_expectation() {
     design.pile.transmission = 0.3;
     design.quality.method = Method::Tracked;
     design.quality.samples = 4;
-    for (bounces, phase) in [(1, Phase::FrameLambert), (6, Phase::Isotropic)] {
+    for (bounces, phase) in [(1, Phase::FrameLambert), (5, Phase::Isotropic)] {
         design.quality.bounces = bounces;
         design.pile.phase = phase;
         let [gpu, expected] = both(&design, [24, 24]);
@@ -211,14 +212,6 @@ fn crowded_loops_let_the_same_light_through() {
     assert!(same_means(&expected, &denser).is_err());
 }
 
-fn scaled(picture: &Picture, by: f32) -> Picture {
-    let mut scaled = picture.clone();
-    for pixel in &mut scaled.pixels {
-        *pixel = pixel.map(|value| value * by);
-    }
-    scaled
-}
-
 #[test]
 fn the_comparators_refuse_wrong_pictures() {
     let design = small_towel();
@@ -257,8 +250,12 @@ fn every_preset_renders_and_the_gpu_draws_the_references_samples() {
         let cameras = design.view.cameras.clone();
         for camera in cameras {
             design.view.cameras = vec![camera];
-            let own = request(&design, [24, 24]);
-            for backend in [&mut gpu as &mut dyn Backend, &mut cpu] {
+            let mut own = request(&design, [24, 24]);
+            for backend in [&mut cpu as &mut dyn Backend, &mut gpu] {
+                if backend.kind() == BackendKind::Gpu {
+                    // By the same pipeline; software Vulkan takes three times as long for paths of more.
+                    own.settings.bounces = own.settings.bounces.min(5);
+                }
                 let picture = finish(backend, &own);
                 shows_something(&picture)
                     .unwrap_or_else(|error| panic!("{name}, {}: {error}", backend.kind().name()));

@@ -62,6 +62,7 @@ mod support {
     pub mod device;
     pub mod drawing;
     pub mod patches;
+    pub mod pictures;
     pub mod probe;
     pub mod same_sample;
     pub mod scenes;

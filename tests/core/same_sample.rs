@@ -4,7 +4,7 @@
 
 use std::path::PathBuf;
 
-use renderer_core::design::{Design, FormKind, Method};
+use renderer_core::design::{CameraDesign, Design, FormKind, Method};
 use renderer_core::image::{Picture, metrics};
 use renderer_core::render::{Backend, BackendKind};
 
@@ -69,40 +69,53 @@ pub fn compare_presets(
 #[test]
 #[ignore = "long: minutes on software Vulkan"]
 fn unlike_presets_are_the_same_picture_on_both_sides() {
-    // Whole pictures of these take software Vulkan minutes each: the test below draws a part of them.
-    let in_part = ["fur", "hanging-towel", "velour-bath", "velvet"].map(preset_path);
-    let mut paths = unlike_preset_paths();
-    paths.retain(|path| !in_part.contains(path));
+    let (_, paths) = in_part_and_whole();
     compare_presets(paths, &mut exact_gpu(), &METHODS, &[1, 4], None, MOST_FLIPS);
+}
+
+/// Presets whose whole pictures take software Vulkan minutes each, and those that are drawn whole in the long test.
+fn in_part_and_whole() -> (Vec<PathBuf>, Vec<PathBuf>) {
+    let in_part = ["fur", "hanging-towel", "velour-bath", "velvet"].map(preset_path);
+    let is_in_part = |path: &PathBuf| in_part.contains(path);
+    unlike_preset_paths().into_iter().partition(is_in_part)
 }
 
 #[test]
 fn a_part_of_unlike_presets_is_the_same_on_both_sides() {
-    let (crop, flips) = PART;
-    compare_presets(
-        unlike_preset_paths(),
-        &mut exact_gpu(),
-        &METHODS,
-        &[1],
-        Some(crop),
-        flips,
-    );
+    // `single` draws all presets in `gpu_vs_reference`. The other two take turns where the long test draws both.
+    let (in_part, whole) = in_part_and_whole();
+    let mut gpu = exact_gpu();
+    let mut compare = |paths: Vec<PathBuf>, methods: &[Method]| {
+        let (crop, flips) = PART;
+        compare_presets(paths, &mut gpu, methods, &[1], Some(crop), flips);
+    };
+    compare(in_part, &METHODS[1..]);
+    for (k, path) in whole.into_iter().enumerate() {
+        compare(vec![path], &METHODS[1 + k % 2..][..1]);
+    }
 }
 
 #[test]
 fn the_hardware_filter_adds_little() {
     // Sampler weights have 8 bits: a density is off by up to 1/512 of a step from voxel to voxel, in u and in v. The
     // picture with f32 weights draws the same samples, so that nothing else differs; but where one event is taken for
-    // the next, a pixel of one sample changes altogether: velvet, with the finest pile, has 0.27 by `single`, all
-    // others 0.2 or less. Such errors have no preferred sign: the mean stays (0.005 at most).
+    // the next, a pixel of one sample changes altogether: fur, with the finest pile, has 0.15 by `exact`, all others
+    // less. Such errors have no preferred sign: the mean stays (0.005 at most). It is the pile that counts: all lie flat
+    // in one light, so that few pipelines draw them.
     let (mut hardware, mut f32_filter) = (gpu(), exact_gpu());
     let (mut worst, mut worst_shift) = (0.0_f64, 0.0_f64);
     for (name, mut design) in named(unlike_preset_paths()) {
         design.quality.samples = 1;
+        design.light = small_towel().light;
+        design.skeleton.visible = false;
+        if design.form.kind != FormKind::Flat {
+            design.form.kind = FormKind::Flat;
+            design.view.cameras = vec![CameraDesign::default()];
+        }
         for method in [Method::Single, Method::Exact] {
             design.quality.method = method;
             let mut request = request(&design, [128, 128]);
-            request.crop = [32, 32, 48, 48];
+            request.crop = [36, 36, 36, 36];
             let [a, b] = [&mut f32_filter, &mut hardware].map(|gpu| finish(gpu, &request));
             let error = metrics::rel_rmse(&b, &a).unwrap();
             let shift = metrics::mean_luminance(&b) / metrics::mean_luminance(&a) - 1.0;
@@ -119,7 +132,7 @@ fn the_hardware_filter_adds_little() {
         worst > 0.0,
         "the hardware's filter is not the one with f32 weights"
     );
-    assert!(worst < 0.4 && worst_shift < 0.01, "{worst} {worst_shift}");
+    assert!(worst < 0.3 && worst_shift < 0.01, "{worst} {worst_shift}");
 }
 
 #[test]

@@ -19,6 +19,8 @@ use crate::support::scenes::{request, small_towel};
 
 /// Texels of the towel's cache see hundreds of rays a sample.
 const SIZE: [u32; 2] = [128, 96];
+/// Where it matters only whether they are known.
+const SMALL: [u32; 2] = [72, 54];
 
 fn towel(method: Method, bounces: u32, samples: u32, cached: u32) -> RenderRequest {
     let mut design = small_towel();
@@ -217,6 +219,8 @@ fn a_moved_camera_finds_what_was_learned_and_another_cloth_or_light_nothing() {
     for backend in [&mut gpu as &mut dyn Backend, &mut cpu] {
         let name = backend.kind().name();
         let mut first = towel(Method::Single, 1, 4, 8);
+        first.size = SMALL;
+        first.crop = [0, 0, SMALL[0], SMALL[1]];
         let (_, counters) = draw(backend, &first);
         assert!(counters.cached_rays > 0, "{name}");
         first.settings.samples = 1;
@@ -224,7 +228,7 @@ fn a_moved_camera_finds_what_was_learned_and_another_cloth_or_light_nothing() {
 
         let mut moved = first.clone();
         moved.view.levels.nearest.camera.eye.x += 0.3;
-        assert!(cached(&moved) > 500, "{name}");
+        assert!(cached(&moved) > 150, "{name}");
         // Colours throw no shadows.
         let mut red = small_towel();
         red.quality.method = Method::Single;
@@ -235,13 +239,14 @@ fn a_moved_camera_finds_what_was_learned_and_another_cloth_or_light_nothing() {
             edit(&mut design);
             let mut compiled = with_counters(&design, 8);
             compiled.view.levels.nearest.camera = *request.camera();
+            (compiled.size, compiled.crop) = (request.size, request.crop);
             compiled
         };
         let mut scene = Scene::clone(first.scene());
         scene.looks = other(&first, |_| {}).scene().looks.clone();
         let mut dyed = first.clone();
         dyed.view.levels.nearest.scene = Arc::new(scene);
-        assert!(cached(&dyed) > 500, "{name}");
+        assert!(cached(&dyed) > 150, "{name}");
         // Pictures of several seeds are averaged, and must not have learned from each other; another method sees other
         // shadows, and other texels have other numbers.
         for edit in [
@@ -256,7 +261,7 @@ fn a_moved_camera_finds_what_was_learned_and_another_cloth_or_light_nothing() {
             assert_eq!(cached(&edited), 0, "{name}: {:?}", edited.settings);
             let mut again = first.clone();
             again.settings.samples = 4;
-            assert!(cached(&again) > 500, "{name}");
+            assert!(cached(&again) > 150, "{name}");
         }
         // Cloth and light that have the same texels, and cloth that has not.
         for edit in [
@@ -269,7 +274,7 @@ fn a_moved_camera_finds_what_was_learned_and_another_cloth_or_light_nothing() {
             assert_eq!(cached(&first), 0, "{name}");
             let mut again = first.clone();
             again.settings.samples = 4;
-            assert!(cached(&again) > 500, "{name}");
+            assert!(cached(&again) > 150, "{name}");
         }
         let mut plain = first.clone();
         plain.settings.cached_shadows = 0;

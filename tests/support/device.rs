@@ -1,7 +1,7 @@
 //! The device of the tests: the machine's best adapter, hardware or software. Without one the tests fail: a green suite
 //! that has drawn nothing would be worse.
 
-use std::sync::OnceLock;
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 use super::compare::REPEATS;
 pub use super::drawing::{finish, finish_in_slices};
@@ -31,8 +31,16 @@ pub fn exact_gpu() -> GpuBackend {
     backend
 }
 
-/// A GPU backend as users have it.
+/// A GPU backend as users have it. All of a process share what they compile, which takes software Vulkan longer than
+/// the pictures.
 pub fn gpu() -> GpuBackend {
+    static FIRST: Mutex<Option<GpuBackend>> = Mutex::new(None);
+    let mut first = FIRST.lock().unwrap_or_else(PoisonError::into_inner);
+    first.get_or_insert_with(compiling_gpu).beside()
+}
+
+/// A GPU backend that compiles all that it needs itself.
+pub fn compiling_gpu() -> GpuBackend {
     GpuBackend::new(context()).unwrap()
 }
 

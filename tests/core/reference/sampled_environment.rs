@@ -341,7 +341,7 @@ fn looking_by_light_and_by_the_phase_draw_the_same_picture() {
         [spot + 0.1, spot * 0.5 + 0.1 * d.z.max(0.0) as f32, 0.2]
     });
     for (method, bounces, phase) in [
-        (Method::Tracked, 6, Phase::Isotropic),
+        (Method::Tracked, 5, Phase::Isotropic),
         (Method::Tracked, 3, Phase::KajiyaKay),
         (Method::Single, 1, Phase::GradientLambert),
         (Method::Layered, 4, Phase::Isotropic),

@@ -23,12 +23,12 @@ fn bits(picture: &Picture) -> Vec<[u32; 4]> {
     pixels.map(|pixel| pixel.map(f32::to_bits)).collect()
 }
 
-/// Paths of several bounces, whose lengths differ most.
-fn long_paths(samples: u32, method: Method) -> RenderRequest {
+/// Paths of several bounces, whose lengths differ most, in tiles of several sizes.
+fn long_paths(samples: u32, method: Method, size: [u32; 2]) -> RenderRequest {
     let mut design = small_towel();
     design.quality.method = method;
     (design.quality.samples, design.quality.bounces) = (samples, 4);
-    request(&design, [52, 37])
+    request(&design, size)
 }
 
 /// Whole, in slices, and cancelled again and again.
@@ -57,7 +57,7 @@ fn assert_order_is_free(make: &dyn Fn() -> Box<dyn Backend>, request: &RenderReq
 fn the_device_draws_the_same_in_any_slices() {
     let make = || -> Box<dyn Backend> { Box::new(gpu()) };
     for method in [Method::Tracked, Method::Single] {
-        assert_order_is_free(&make, &long_paths(3, method));
+        assert_order_is_free(&make, &long_paths(3, method, [36, 21]));
     }
 }
 
@@ -66,7 +66,7 @@ fn the_processor_draws_the_same_in_any_slices_on_any_cores() {
     let fast = || -> Box<dyn Backend> { Box::new(CpuBackend::default()) };
     let plain = || -> Box<dyn Backend> { Box::new(reference()) };
     for method in [Method::Tracked, Method::Single, Method::Layered] {
-        let request = long_paths(3, method);
+        let request = long_paths(3, method, [52, 37]);
         for make in [&fast as &dyn Fn() -> Box<dyn Backend>, &plain] {
             let all = assert_order_is_free(make, &request);
             // Other tiles: a crop's begin elsewhere, and are smaller at its edges.
@@ -88,7 +88,7 @@ fn the_processor_draws_the_same_in_any_slices_on_any_cores() {
 
 #[test]
 fn another_order_of_samples_would_be_noticed() {
-    let mut request = long_paths(2, Method::Tracked);
+    let mut request = long_paths(2, Method::Tracked, [52, 37]);
     let picture = finish(&mut CpuBackend::default(), &request);
     request.settings.seed += 1;
     let other = finish(&mut CpuBackend::default(), &request);

@@ -20,11 +20,14 @@ const SCRAMBLES: usize = 4;
 /// The device's estimates are sums of hundreds of numbers in f32, those here differences of f32 means: four digits.
 const ROUNDING: f64 = 1e-3;
 
+/// Six tiles that end at three numbers of samples.
+const FEW_TILES: [u32; 2] = [40, 24];
+
 /// A towel with its edges: tiles of pile, which are noisy, of bare ground, and of hardly any cloth.
-fn uneven_towel() -> RenderRequest {
+fn uneven_towel(size: [u32; 2]) -> RenderRequest {
     let mut design = small_towel();
     design.view.cameras[0].distance = 34.0;
-    let mut request = request(&design, [56, 40]);
+    let mut request = request(&design, size);
     request.settings.samples = 1 << 10;
     request.settings.error = 0.014;
     request.settings.counters = true;
@@ -222,7 +225,7 @@ fn check_ends(
 
 #[test]
 fn tiles_end_when_their_error_allows_it_with_the_bits_of_a_plain_picture() {
-    let request = uneven_towel();
+    let request = uneven_towel(FEW_TILES);
     let (mut gpu, mut cpu) = backends();
     for backend in [&mut gpu as &mut dyn Backend, &mut cpu] {
         let name = backend.kind().name();
@@ -331,7 +334,7 @@ fn tiles_that_ended_are_within_noise_of_other_samples() {
         // As drawn; a hundredth brighter; a pixel further; with 8 samples everywhere.
         let mut found = [Apart::default(); 4];
         for repeat in 0..repeats {
-            let mut request = uneven_towel();
+            let mut request = uneven_towel([56, 40]);
             request.settings.seed = 10 + 2 * repeat;
             let (picture, _, progress) = draw(backend, &request);
             let last = progress.samples;
@@ -379,7 +382,7 @@ fn draw_in_slices(
 
 #[test]
 fn how_work_is_cut_into_slices_changes_nothing() {
-    let request = uneven_towel();
+    let request = uneven_towel(FEW_TILES);
     let (mut gpu, mut cpu) = backends();
     for backend in [&mut gpu as &mut dyn Backend, &mut cpu] {
         let name = backend.kind().name();
@@ -419,7 +422,7 @@ fn how_work_is_cut_into_slices_changes_nothing() {
 
 #[test]
 fn an_error_that_would_have_ended_something_before_starts_again() {
-    let request = uneven_towel();
+    let request = uneven_towel(FEW_TILES);
     let (mut gpu, mut cpu) = backends();
     for backend in [&mut gpu as &mut dyn Backend, &mut cpu] {
         let name = backend.kind().name();
@@ -441,7 +444,7 @@ fn an_error_that_would_have_ended_something_before_starts_again() {
 
 #[test]
 fn another_error_starts_again_once_tiles_have_ended() {
-    let mut request = uneven_towel();
+    let mut request = uneven_towel(FEW_TILES);
     let (mut gpu, mut cpu) = backends();
     for backend in [&mut gpu as &mut dyn Backend, &mut cpu] {
         request.settings.error = 0.02;

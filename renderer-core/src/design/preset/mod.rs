@@ -8,6 +8,7 @@
 //! Types, names and ranges come from [`Shape`](super::Shape), the same description that `section!` makes for the
 //! designer's sliders. Fields that a file leaves out have their defaults, so `format = 1` alone is a plain white towel.
 
+mod faults;
 mod path;
 mod read;
 mod retired;
@@ -16,6 +17,7 @@ mod write;
 
 use std::fmt;
 
+pub use faults::MOST_FAULTS;
 pub use read::{parse, parse_noting, position_of};
 pub use set::{SetError, set};
 pub use write::write;
@@ -27,7 +29,8 @@ pub struct PresetFault {
     pub line: usize,
     /// Character within the line, from 1.
     pub column: usize,
-    /// Field at fault, as in `light.sun[0].elevation`; empty where the text is no TOML.
+    /// Field at fault, as in `light.sun[0].elevation`; empty where the text is no TOML, and where faults
+    /// are only counted.
     pub path: String,
     /// What is wrong and what is allowed; names the field.
     pub message: String,

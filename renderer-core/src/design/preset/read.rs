@@ -3,6 +3,7 @@
 //! The text is parsed with positions, then checked against the design's [`Shape`]; entries at fault are reported and
 //! taken out, so that one reading finds every fault. What is left goes through serde and [`Design::faults`].
 
+use std::collections::HashSet;
 use std::ops::Range;
 
 use serde::Deserialize;
@@ -10,6 +11,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer};
 
 use super::PresetFault;
+use super::faults::{Faults, Found, position};
 use super::path::{Step, join, steps, unknown_field};
 use super::retired::Retired;
 use crate::design::{Colour, Design, Entry, FORMAT, Fault, Shape, Shaped, Stitch};
@@ -17,7 +19,8 @@ use crate::design::{Colour, Design, Entry, FORMAT, Fault, Shape, Shaped, Stitch}
 /// Reads a preset file's text. The chart image itself is not read.
 ///
 /// # Errors
-/// Every fault of the text, in the order of its lines.
+/// Every fault of the text, in the order of its lines; of very many the first [`MOST_FAULTS`](super::MOST_FAULTS), and
+/// how many more there are.
 pub fn parse(text: &str) -> Result<Design, Vec<PresetFault>> {
     parse_noting(text).map(|(design, _)| design)
 }
@@ -27,25 +30,9 @@ pub fn parse(text: &str) -> Result<Design, Vec<PresetFault>> {
 /// # Errors
 /// As [`parse`].
 pub fn parse_noting(text: &str) -> Result<(Design, Vec<PresetFault>), Vec<PresetFault>> {
-    let placed = |found: Vec<Found>| {
-        let mut faults: Vec<PresetFault> = found
-            .into_iter()
-            .map(|found| {
-                let (line, column) = position(text, found.at);
-                PresetFault {
-                    line,
-                    column,
-                    path: found.path,
-                    message: found.message,
-                }
-            })
-            .collect();
-        faults.sort_by_key(|fault| (fault.line, fault.column));
-        faults
-    };
     match read(text) {
-        Ok((design, notes)) => Ok((design, placed(notes))),
-        Err(found) => Err(placed(found)),
+        Ok((design, notes)) => Ok((design, notes.placed(text))),
+        Err(faults) => Err(faults.placed(text)),
     }
 }
 
@@ -56,21 +43,17 @@ pub fn position_of(text: &str, path: &str) -> (usize, usize) {
     position(text, locate(root.get_ref(), path))
 }
 
-/// A fault and the byte of the text it is at.
-pub(super) struct Found {
-    at: usize,
-    path: String,
-    pub message: String,
-}
-
 /// The design, and what is to be said of retired fields.
-fn read(text: &str) -> Result<(Design, Vec<Found>), Vec<Found>> {
+fn read(text: &str) -> Result<(Design, Faults), Faults> {
     let (root, errors) = DeTable::parse_recoverable(text);
     if !errors.is_empty() {
-        return Err(errors.iter().map(syntax_fault).collect());
+        return Err(errors
+            .iter()
+            .map(|error| syntax_fault(text, error))
+            .collect());
     }
     let (whole, mut root) = (root.span(), root.into_inner());
-    check_format(text, &mut root).map_err(|found| vec![found])?;
+    check_format(text, &mut root).map_err(Faults::from)?;
 
     let note = |(retired, at): (&Retired, usize)| Found {
         at,
@@ -78,14 +61,14 @@ fn read(text: &str) -> Result<(Design, Vec<Found>), Vec<Found>> {
         path: retired.path(),
     };
     let retired = Retired::take_out(&mut root);
-    let notes: Vec<Found> = retired.into_iter().map(note).collect();
+    let notes: Faults = retired.into_iter().map(note).collect();
 
     let Shape::Table(sections) = Design::shape() else {
         return Ok((Design::default(), notes));
     };
     let mut check = Check::new(text);
     check.table(&sections, &mut root, "");
-    let mut found = check.found;
+    let (mut found, places) = (check.faults, check.places);
     let complete = found.is_empty();
 
     let design = Design::deserialize(Deserializer::from(Spanned::new(whole, root.clone())));
@@ -103,10 +86,7 @@ fn read(text: &str) -> Result<(Design, Vec<Found>), Vec<Found>> {
         design.push_relation_faults(&mut faults);
     }
     for fault in faults {
-        if !found
-            .iter()
-            .any(|found| is_within(&fault.path, &found.path))
-        {
+        if !parts_of(&fault.path).any(|outer| places.contains(outer)) {
             found.push(Found {
                 at: locate(&root, &fault.path),
                 message: fault.to_string(),
@@ -121,18 +101,36 @@ fn read(text: &str) -> Result<(Design, Vec<Found>), Vec<Found>> {
     }
 }
 
-/// Whether `path` is `outer` or a part of it.
-fn is_within(path: &str, outer: &str) -> bool {
-    path.strip_prefix(outer)
-        .is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+/// A path and all that it is a part of: `light.sun[0]`, `light.sun`, `light`.
+fn parts_of(path: &str) -> impl Iterator<Item = &str> {
+    std::iter::successors(Some(path), |path| {
+        let end = path.rfind(['.', '['])?;
+        Some(&path[..end])
+    })
 }
 
-fn syntax_fault(error: &toml::de::Error) -> Found {
-    Found {
-        at: error.span().map_or(0, |span| span.start),
-        path: String::new(),
-        message: format!("not TOML: {}", error.message().replace('\n', ", ")),
+fn syntax_fault(text: &str, error: &toml::de::Error) -> Found {
+    let at = error.span().map_or(0, |span| span.start);
+    let mut message = format!("not TOML: {}", error.message().replace('\n', ", "));
+    if has_backslash_before(text, at) {
+        message += "; in double quotes a backslash \\ begins an escape: write paths with / or in single quotes";
     }
+    Found {
+        at,
+        path: String::new(),
+        message,
+    }
+}
+
+/// Whether a quoted text of this line has a backslash at a byte, or shortly before it: where an escape begins that is
+/// none.
+fn has_backslash_before(text: &str, at: usize) -> bool {
+    /// Bytes of the longest escape, `\U` and eight digits.
+    const LONGEST_ESCAPE: usize = 10;
+    let bytes = text.as_bytes();
+    let near = &bytes[at.saturating_sub(LONGEST_ESCAPE).min(bytes.len())..bytes.len().min(at + 1)];
+    let line = near.rsplit(|byte| *byte == b'\n').next();
+    line.is_some_and(|line| line.contains(&b'\\'))
 }
 
 fn serde_fault(error: &toml::de::Error, root: &DeTable<'_>) -> Found {
@@ -178,14 +176,18 @@ fn check_format(text: &str, root: &mut DeTable<'_>) -> Result<(), Found> {
 /// Compares values with shapes, collects faults, and takes entries at fault out of tables.
 pub(super) struct Check<'t> {
     text: &'t str,
-    pub found: Vec<Found>,
+    /// What is wrong.
+    pub faults: Faults,
+    /// Paths of the values at fault.
+    places: HashSet<String>,
 }
 
 impl<'t> Check<'t> {
     pub fn new(text: &'t str) -> Self {
         Self {
             text,
-            found: Vec::new(),
+            faults: Faults::default(),
+            places: HashSet::new(),
         }
     }
 
@@ -196,10 +198,9 @@ impl<'t> Check<'t> {
             let readable = match entries.iter().find(|entry| entry.name == name) {
                 Some(entry) => self.value(&entry.shape, value, &join(path, name)),
                 None => {
-                    self.found.push(Found {
-                        at: key.span().start,
-                        path: join(path, name),
-                        message: unknown_field(path, name, entries),
+                    self.faults.add(key.span().start, || {
+                        let path_and_name = join(path, name);
+                        (path_and_name, unknown_field(path, name, entries))
                     });
                     false
                 }
@@ -250,15 +251,15 @@ impl<'t> Check<'t> {
             _ => false,
         };
         if !fits {
-            let fault = Fault {
-                path: path.into(),
-                value: snippet(self.text, span.clone()),
-                allowed: shape.allowed(),
-            };
-            self.found.push(Found {
-                at: span.start,
-                message: fault.to_string(),
-                path: fault.path,
+            self.places.insert(path.into());
+            self.faults.add(span.start, || {
+                let fault = Fault {
+                    path: path.into(),
+                    value: snippet(self.text, span.clone()),
+                    allowed: shape.allowed(),
+                };
+                let message = fault.to_string();
+                (fault.path, message)
             });
         }
         fits
@@ -325,14 +326,4 @@ fn path_at(root: &DeTable<'_>, at: usize) -> String {
         table = value.get_ref().as_table();
     }
     path
-}
-
-/// Line and column of a byte, both from 1; the column counts characters.
-fn position(text: &str, at: usize) -> (usize, usize) {
-    let before = text.get(..at).unwrap_or(text);
-    let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
-    (
-        before.matches('\n').count() + 1,
-        before[line_start..].chars().count() + 1,
-    )
 }

@@ -6,7 +6,7 @@ use toml::{Spanned, Table, Value};
 
 use super::path::{Step, join, steps, unknown_field};
 use super::read::Check;
-use crate::design::{Design, ImageSlot, Shape, Shaped};
+use crate::design::{Design, ImageSlot, Shape, Shaped, read_number};
 
 /// Why a field could not be set.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -20,7 +20,8 @@ pub struct SetError {
     pub message: String,
 }
 
-/// The design with the field at `path` set to `value`: a TOML value, or text without its quotes.
+/// The design with the field at `path` set to `value`: a TOML value, text without its quotes, or a number as
+/// [`read_number`] reads it, as in `length.value=1/4 in`.
 ///
 /// Relations between fields are not checked here, since the next call may mend them; ask [`Design::faults`] at the end.
 /// A changed path of an image leaves no pixels: the caller loads the image.
@@ -46,10 +47,17 @@ fn changed(design: &Design, path: &str, text: &str) -> Result<Design, String> {
             names.join(", ")
         ));
     }
+    let typed = typed_number(text, shape);
+    let number = typed
+        .as_ref()
+        .and_then(|typed| typed.as_ref().ok())
+        .map(f64::to_string);
+    let text = number.as_deref().unwrap_or(text);
     let mut value = parsed(text, shape);
     let mut check = Check::new(text);
-    if !check.value(shape, &mut value, path) || !check.found.is_empty() {
-        let messages: Vec<String> = check.found.into_iter().map(|found| found.message).collect();
+    if !check.value(shape, &mut value, path) || !check.faults.is_empty() {
+        let mut messages = check.faults.messages();
+        messages.extend(typed.and_then(Result::err));
         return Err(messages.join("; "));
     }
     let unreadable = |error: toml::de::Error| error.message().to_owned();
@@ -64,6 +72,20 @@ fn changed(design: &Design, path: &str, text: &str) -> Result<Design, String> {
         }
     }
     Ok(new)
+}
+
+/// What was typed where a number belongs, if it is none of TOML's but begins as people's do.
+fn typed_number(text: &str, shape: &Shape) -> Option<Result<f64, String>> {
+    let shape = match shape {
+        Shape::Optional(of) => of,
+        shape => shape,
+    };
+    let Shape::Number(field) = shape else {
+        return None;
+    };
+    let begins = text.trim_start_matches(['-', '+', '.', ',', ' ']);
+    let is_typed = begins.starts_with(|c: char| c.is_numeric()) && DeValue::parse(text).is_err();
+    is_typed.then(|| read_number(text, field.unit, field.integer))
 }
 
 /// The value that `text` writes. Where the field holds text, quotes may be left out: `view.tone_map=filmic`.

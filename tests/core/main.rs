@@ -12,6 +12,7 @@ mod bounced;
 mod chart;
 mod chart_edit;
 mod chart_loops;
+mod checked;
 mod coarse_preview;
 mod colour;
 mod compile;
@@ -34,6 +35,7 @@ mod levels;
 mod lobes;
 mod lod_regions;
 mod long_paths;
+mod many_faults;
 mod materials;
 mod metrics;
 mod nap;
@@ -51,6 +53,7 @@ mod skeleton;
 mod stability;
 mod tiles;
 mod turbulence;
+mod typed_numbers;
 mod volumes;
 
 /// What tests of pictures share: a device without a window, small scenes, rendering to the end, comparators.

@@ -1,12 +1,15 @@
 //! Parsers of single arguments. Their messages say what is allowed; clap adds the argument and the value.
 
-use renderer_core::design::{Method, Shaped};
+use renderer_core::design::{Method, Shaped, read_number};
 use renderer_core::render::MAX_SIDE;
 
 /// An argument that cannot be used, found after parsing.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct BadArgument(pub String);
+
+/// Size of a picture that nothing else is said of, as [`size`] reads it.
+pub const DEFAULT_SIZE: &str = "800x600";
 
 /// `WxH`, each side 1 to [`MAX_SIDE`].
 pub fn size(text: &str) -> Result<[u32; 2], String> {
@@ -44,19 +47,25 @@ pub fn method(text: &str) -> Result<Method, String> {
         .ok_or_else(|| format!("allowed is {}", Method::shape().allowed()))
 }
 
-/// An error to stop at.
+/// An error to stop at, as a share or in per cent.
 pub fn error_target(text: &str) -> Result<f64, String> {
-    let error = text.parse().ok();
-    error
-        .filter(|error| *error > 0.0 && *error <= 1.0)
-        .ok_or_else(|| "allowed is a number above 0, up to 1".into())
+    within(text, "", 1.0, "a number above 0, up to 1")
 }
 
-/// A time limit in seconds.
+/// A time limit in seconds; other units may be written.
 pub fn seconds(text: &str) -> Result<f64, String> {
     const WEEK: f64 = 7.0 * 24.0 * 3600.0;
-    let seconds = text.parse().ok();
-    seconds
-        .filter(|seconds| *seconds > 0.0 && *seconds <= WEEK)
-        .ok_or_else(|| format!("allowed is a number of seconds above 0, up to {WEEK} (a week)"))
+    let allowed = format!("a number of seconds above 0, up to {WEEK} (a week)");
+    within(text, "s", WEEK, &allowed)
+}
+
+/// A number above 0, up to `most`, as people type it.
+fn within(text: &str, unit: &str, most: f64, allowed: &str) -> Result<f64, String> {
+    let number =
+        read_number(text, unit, false).map_err(|why| format!("{why} Allowed is {allowed}"))?;
+    if number > 0.0 && number <= most {
+        Ok(number)
+    } else {
+        Err(format!("allowed is {allowed}"))
+    }
 }

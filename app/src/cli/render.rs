@@ -31,7 +31,7 @@ pub struct RenderArguments {
     #[arg(short, long, value_name = "OUT.png|OUT.exr")]
     output: PathBuf,
     /// Size of the picture in pixels.
-    #[arg(long, value_name = "WxH", default_value = "800x600", value_parser = arguments::size)]
+    #[arg(long, value_name = "WxH", default_value = arguments::DEFAULT_SIZE, value_parser = arguments::size)]
     size: [u32; 2],
     /// Stop at this many samples a pixel.
     #[arg(long, value_name = "N", allow_negative_numbers = true)]

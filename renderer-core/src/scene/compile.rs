@@ -29,6 +29,7 @@ use std::time::Instant;
 use super::cancel::{Cancel, Cancelled};
 use super::chart::ChartOnSheet;
 use super::chart_yarns::ChartYarns;
+use super::cost::costs;
 use super::faces::LoopSpacing;
 use super::finish::{Finishing, wet_pile};
 use super::frames::FrameRules;
@@ -43,8 +44,8 @@ use super::turbulence::TurbulenceField;
 use super::types::heights_mm;
 use super::volumes::rasterise_unless_cancelled;
 use super::{
-    CellSet, FormMesh, Lights, LoopLook, Loops, PileOptics, Scene, Section, SheetGeometry,
-    Skeleton, VisibleCells, Volumes,
+    CellSet, FormMesh, Lights, LoopCounts, LoopLook, Loops, PileOptics, Scene, Section,
+    SheetGeometry, Skeleton, VisibleCells, Volumes,
 };
 use crate::design::{
     Chart, Colour, Design, Fault, Filter, Form, FormKind, Length, Phase, Pile, PileKind, Sheared,
@@ -93,15 +94,19 @@ const MAX_FILTER_WAVES: f64 = 0.75;
 
 /// What a designer should know about a design and its scene.
 pub fn warnings(design: &Design, scene: &Scene) -> Vec<Warning> {
+    warnings_of_loops(design, &scene.sheet, scene.loops.counts)
+}
+
+fn warnings_of_loops(design: &Design, sheet: &SheetGeometry, counts: LoopCounts) -> Vec<Warning> {
     let mut warnings = design.warnings();
-    let counts = scene.loops.counts;
+    warnings.extend(costs(design));
     if counts.planted == 0 {
         let text = "no loops: the pattern, the chart and the loop length leave none";
         warnings.push(Warning::new("weave.pattern", text));
     }
     warnings.extend(ChartYarns::default().warning(design));
     let turbulence = &design.turbulence;
-    let pitch_mm = scene.sheet.pitch_x_mm.max(scene.sheet.pitch_y_mm);
+    let pitch_mm = sheet.pitch_x_mm.max(sheet.pitch_y_mm);
     let waves = turbulence.filter_radius * pitch_mm * turbulence.frequency;
     if turbulence.filter != Filter::None && waves > MAX_FILTER_WAVES {
         let text = format!(
@@ -332,18 +337,16 @@ impl Compiler {
         let design = shrunk.as_ref().unwrap_or(whole);
         let last = self.scene.clone();
         let last = last.as_deref();
-        let sheet = sheet_of(design, region);
-        let skeleton = Skeleton::new(&design.weave, &design.skeleton).wet(design.finish.wetness);
         let materials = Materials::new(design);
         let optics = PileOptics::new(&materials);
-
-        let loops_inputs = self.loops_inputs(design, &sheet);
-        let kept_loops = kept(self.loops.as_ref(), &loops_inputs);
-        let is_part = visible.is_some() && kept_loops.is_none();
-        let loops = match kept_loops {
-            Some(loops) => loops,
-            None => Section::new(self.build_loops(&loops_inputs, visible, cancel)?),
-        };
+        let ClothShape {
+            sheet,
+            skeleton,
+            loops_inputs,
+            loops,
+            form,
+            is_part,
+        } = self.shape(design, region, visible, cancel)?;
         let looks_inputs = (LooksInputs::new(design), loops.clone());
         let looks = match kept(self.looks.as_ref(), &looks_inputs) {
             Some(looks) => looks,
@@ -361,7 +364,6 @@ impl Compiler {
             Some(region) => lights.in_region(&region, whole),
             None => lights,
         };
-        let form = self.form_of(&design.form, &sheet, &loops, &skeleton)?;
         let scene = Scene {
             sheet: keep(last.map(|last| &last.sheet), sheet),
             loops,
@@ -385,6 +387,55 @@ impl Compiler {
         };
         self.scene = Some(Arc::clone(&scene));
         Ok(PreviewScene::Whole(scene))
+    }
+
+    /// Finds out whether a design, or a region of it, has a scene, and what is to be known of it, as [`warnings`] tells:
+    /// makes all that can be refused, and nothing that only shows.
+    ///
+    /// # Errors
+    /// As [`Self::compile_unless_cancelled`].
+    pub fn check(
+        &mut self,
+        whole: &Design,
+        region: Option<LodRegion>,
+        cancel: &Cancel<'_>,
+    ) -> Result<Vec<Warning>, CompileError> {
+        self.report = CompileReport::default();
+        check(whole, region)?;
+        let shrunk = region.map(|region| region.design(whole));
+        let design = shrunk.as_ref().unwrap_or(whole);
+        let shape = self.shape(design, region, None, cancel)?;
+        let warnings = warnings_of_loops(whole, &shape.sheet, shape.loops.counts);
+        self.loops = Some((shape.loops_inputs, shape.loops));
+        Ok(warnings)
+    }
+
+    /// Where loops and cloth are: whatever of a scene can be refused. Before all else, since the rest may take minutes.
+    fn shape(
+        &mut self,
+        design: &Design,
+        region: Option<LodRegion>,
+        visible: Option<&VisibleCells>,
+        cancel: &Cancel<'_>,
+    ) -> Result<ClothShape, CompileError> {
+        let sheet = sheet_of(design, region);
+        let skeleton = Skeleton::new(&design.weave, &design.skeleton).wet(design.finish.wetness);
+        let loops_inputs = self.loops_inputs(design, &sheet);
+        let kept_loops = kept(self.loops.as_ref(), &loops_inputs);
+        let is_part = visible.is_some() && kept_loops.is_none();
+        let loops = match kept_loops {
+            Some(loops) => loops,
+            None => Section::new(self.build_loops(&loops_inputs, visible, cancel)?),
+        };
+        let form = self.form_of(&design.form, &sheet, &loops, &skeleton)?;
+        Ok(ClothShape {
+            sheet,
+            skeleton,
+            loops_inputs,
+            loops,
+            form,
+            is_part,
+        })
     }
 
     fn volumes_of(
@@ -539,6 +590,17 @@ impl Scene {
             self.lights == other.lights,
         ]
     }
+}
+
+/// Where loops and cloth of a design are, and of which inputs the loops were made.
+struct ClothShape {
+    sheet: SheetGeometry,
+    skeleton: Skeleton,
+    loops_inputs: LoopsInputs,
+    loops: Section<Loops>,
+    form: Section<Option<FormMesh>>,
+    /// Whether only the loops were made that are seen.
+    is_part: bool,
 }
 
 /// Fails where a design, or all of it where no region of it is asked for, cannot have a scene.

@@ -2,6 +2,7 @@
 //! beside it, the chart editor.
 
 use egui::{CentralPanel, Frame, Margin, Panel, Ui, UiBuilder, Visuals};
+use renderer_core::scene::costs;
 
 use super::App;
 use crate::designer::panels::Surroundings;
@@ -47,10 +48,17 @@ impl App {
 
     fn show_panels(&mut self, ui: &mut Ui, frame: Frame) {
         let faults = self.document.design.faults();
+        // What a scene costs is known before it is made, which may take minutes.
+        let mut warnings = costs(&self.document.design);
+        for warning in &self.viewport.state().scene.warnings {
+            if !warnings.iter().any(|known| known.path == warning.path) {
+                warnings.push(warning.clone());
+            }
+        }
         let mut step_name = None;
         let mut around = Surroundings {
             faults: &faults,
-            warnings: &self.viewport.state().scene.warnings,
+            warnings: &warnings,
             camera: &self.viewport.camera,
             commands: &mut self.shell.commands,
             thumbnails: &mut self.thumbnails,

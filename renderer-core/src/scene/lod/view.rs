@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::{Level, LevelRows, Levels, LodBudget, LodPlan, LodRegion, LodSelector};
-use crate::design::Design;
+use crate::design::{Design, Warning};
 use crate::geometry::Camera;
 use crate::scene::{Cancel, CompileError, CompileReport, Compiler, LoopCounts, Scene};
 
@@ -116,6 +116,32 @@ impl LodCompiler {
             }
         };
         Ok(LodCloth { plan, scenes })
+    }
+
+    /// Finds out whether what a plan names of a design can be made, and what is to be known of it, as
+    /// [`Compiler::check`] does.
+    ///
+    /// # Errors
+    /// As [`Compiler::compile_unless_cancelled`].
+    pub fn check(
+        &mut self,
+        design: &Design,
+        plan: &LodPlan,
+        cancel: &Cancel<'_>,
+    ) -> Result<Vec<Warning>, CompileError> {
+        let Some((first, others)) = plan.regions.split_first() else {
+            return self.whole.check(design, None, cancel);
+        };
+        let mut check = |region: &LodRegion| {
+            let compiler = self.by_lod.entry(region.lod);
+            let compiler = compiler.or_insert_with(|| self.whole.fresh());
+            compiler.check(design, Some(*region), cancel)
+        };
+        let warnings = check(first)?;
+        for region in others {
+            check(region)?;
+        }
+        Ok(warnings)
     }
 
     fn compile_region(

@@ -314,7 +314,7 @@ fn broken_bundles_are_refused_with_what_is_wrong() {
 }
 
 /// A zip archive of stored members, made by nobody we trust.
-fn archive(members: &[(&str, &[u8])]) -> Vec<u8> {
+pub(crate) fn archive(members: &[(&str, &[u8])]) -> Vec<u8> {
     let (mut file, mut directory) = (Vec::new(), Vec::new());
     for (name, bytes) in members {
         let offset = file.len() as u32;

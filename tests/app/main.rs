@@ -14,10 +14,12 @@ mod designer;
 mod environment;
 mod gpu;
 mod height;
+mod inputs;
 mod nap;
 mod picture_file;
 mod presets;
 mod recovery;
+mod repacked;
 mod window;
 
 /// What the tests share: a display that nobody sees, small scenes, rendering to the end.

@@ -63,6 +63,8 @@ pub fn main() -> ExitCode {
 fn run() -> anyhow::Result<()> {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
+        // Help that was asked for.
+        Err(error) if !error.use_stderr() => error.exit(),
         Err(error) => {
             // clap takes a mistyped command for a preset and complains about what follows it.
             reject_unknown_word(std::env::args_os().nth(1))?;
@@ -83,16 +85,18 @@ fn run() -> anyhow::Result<()> {
     }
 }
 
-/// Refuses a first argument that is no option, command or file.
+/// Refuses a first argument that is no option, no command, and nothing that can be opened.
 fn reject_unknown_word(word: Option<OsString>) -> Result<(), BadArgument> {
     let Some(word) = word else { return Ok(()) };
     let text = word.to_string_lossy();
-    let program = Arguments::command();
+    let mut program = Arguments::command();
+    // With `help`, which clap adds.
+    program.build();
     let commands: Vec<&str> = program
         .get_subcommands()
         .map(clap::Command::get_name)
         .collect();
-    if text.starts_with('-') || commands.contains(&&*text) || Path::new(&word).is_file() {
+    if text.starts_with('-') || commands.contains(&&*text) || Path::new(&word).exists() {
         return Ok(());
     }
     Err(BadArgument(format!(

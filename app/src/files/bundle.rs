@@ -4,13 +4,16 @@
 //! so that a bundle looks the same everywhere and cannot reach into the machine that opens it.
 
 use std::fs;
+use std::io::BufReader;
 use std::path::Path;
 use std::sync::Arc;
 
 use renderer_core::design::{Design, ImagePixels, ImageSlot, preset};
 
+use super::image_paths::same_form;
 use super::image_words::words;
 use super::images::{decode_image, encode_image};
+use super::input::{Input, open_file};
 use super::zip::{self, Archive};
 use super::{Carried, FileError, LARGEST_PRESET, write_atomically};
 
@@ -19,9 +22,9 @@ pub const BUNDLE_ENDING: &str = "towel";
 /// The member that is the preset.
 pub(super) const PRESET: &str = "preset.toml";
 /// Largest bundle, bytes: all images as large as they may be.
-const LARGEST_BUNDLE: u64 = 3 << 29;
+pub(super) const LARGEST_BUNDLE: u64 = 3 << 29;
 /// Largest image in a bundle, unpacked, bytes: a chart of 8192 x 8192 noise takes half of it.
-const LARGEST_IMAGE: usize = 512 << 20;
+pub(super) const LARGEST_IMAGE: usize = 512 << 20;
 
 /// Whether a file's name is that of a bundle.
 pub fn is_bundle(path: &Path) -> bool {
@@ -253,39 +256,65 @@ pub(super) struct Unpacked {
 
 /// Reads a bundle's file.
 pub(super) fn read_bundle(path: &Path) -> Result<Unpacked, FileError> {
-    let failed = |source| FileError::Read {
+    let file = open_file(path).map_err(|source| FileError::Read {
         path: path.to_owned(),
         source,
-    };
-    let unusable = |what: String| FileError::Bundle {
-        path: path.to_owned(),
-        what,
-    };
-    let size = fs::metadata(path).map_err(failed)?.len();
-    if size > LARGEST_BUNDLE {
-        return Err(unusable(format!(
-            "is {size} bytes large, a bundle has at most {LARGEST_BUNDLE}"
-        )));
-    }
-    unpack(&fs::read(path).map_err(failed)?).map_err(unusable)
+    })?;
+    unpack_input(path, &mut Input::File(BufReader::new(file)))
 }
 
-/// Unpacks the preset of an archive and those of its members that it names.
+/// Reads a bundle that was opened.
+pub(super) fn unpack_input(path: &Path, input: &mut Input) -> Result<Unpacked, FileError> {
+    let archive = input.read_all(LARGEST_BUNDLE);
+    let archive = archive.map_err(|source| FileError::Read {
+        path: path.to_owned(),
+        source,
+    })?;
+    unpack(&archive).map_err(|what| FileError::Bundle {
+        path: path.to_owned(),
+        what,
+    })
+}
+
+/// Unpacks the preset of an archive and those of its members that it names. Other programs may have packed the archive
+/// anew: with a folder around everything, with files of their own, with other forms of names.
 pub(super) fn unpack(archive: &[u8]) -> Result<Unpacked, String> {
     let mut archive = Archive::open(archive)?;
-    let text = archive
-        .read(PRESET, LARGEST_PRESET as usize)?
-        .ok_or_else(|| format!("is no bundle: it has no {PRESET}"))?;
-    let text =
-        String::from_utf8(text).map_err(|_| format!("is broken: its {PRESET} is no text"))?;
+    let preset = preset_member(&archive)?;
+    let text = archive.read(&preset, LARGEST_PRESET as usize)?;
+    let text = String::from_utf8(text.unwrap_or_default())
+        .map_err(|_| format!("is broken: its {preset} is no text"))?;
+    let folder = preset.rfind('/').map_or("", |end| &preset[..=end]);
     let mut carried = Carried::default();
     // A preset with faults names no images; who reads the text reports the faults.
     let design = preset::parse(&text).unwrap_or_default();
     for name in ImageSlot::ALL.iter().filter_map(|slot| slot.path(&design)) {
-        let member = name.strip_prefix("./").unwrap_or(name);
-        if let Some(bytes) = archive.read(member, LARGEST_IMAGE)? {
-            carried.insert(member, bytes);
+        let member = format!("{folder}{}", same_form(name));
+        if let Some(bytes) = archive.read(&member, LARGEST_IMAGE)? {
+            carried.insert(name, bytes);
         }
     }
     Ok(Unpacked { text, carried })
+}
+
+/// The member that is the preset: the outermost of its name, or else the outermost preset of any name.
+fn preset_member(archive: &Archive<'_>) -> Result<String, String> {
+    let depth = |name: &str| name.matches('/').count();
+    let file_of = |name: &str| name.rsplit('/').next().unwrap_or_default().to_lowercase();
+    let outermost = |is_wanted: &dyn Fn(&str) -> bool| -> Vec<&str> {
+        let wanted = || archive.names().filter(|name| is_wanted(&file_of(name)));
+        let least = wanted().map(depth).min();
+        wanted().filter(|name| Some(depth(name)) == least).collect()
+    };
+    let mut presets = outermost(&|file| file == PRESET);
+    if presets.is_empty() {
+        presets = outermost(&|file| file.ends_with(".toml"));
+    }
+    match presets[..] {
+        [preset] => Ok(preset.into()),
+        [] => Err(format!("is no bundle: it has no {PRESET}")),
+        [first, second, ..] => Err(format!(
+            "is no bundle: it has several presets, {first} and {second} among them; unpack it and open one of these"
+        )),
+    }
 }

@@ -4,20 +4,18 @@
 //! picture may keep it: the design stays the one that the picture was made from). Its data is a bundle as `bundle`
 //! writes it. Images of more than 4 MB are left in their files, which the preset names by their whole paths.
 
-use std::fs::File;
-use std::io::{self, BufReader, Read};
+use std::io::{self, BufReader, Read, Seek};
 use std::path::Path;
 
 use renderer_core::design::Design;
 
 use super::bundle::{LeftOut, Packer, Unpacked, unpack};
 use super::image_words::words;
+use super::input::{Input, PNG, open_file};
 use super::{Carried, FileError};
 
 /// Type of the chunk.
 const KIND: [u8; 4] = *b"toWl";
-/// What a PNG begins with.
-const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 /// Largest image that a picture takes along, bytes.
 const LARGEST_IMAGE: usize = 4 << 20;
 /// Largest chunk that is read: three images, a preset and more.
@@ -74,16 +72,18 @@ impl LeftOut {
 
 /// Whether a file is a PNG that carries a design.
 pub fn carries_design(path: &Path) -> bool {
-    find_chunk(path).is_ok_and(|chunk| chunk.is_some())
+    let file = open_file(path);
+    file.and_then(|file| find_chunk(&mut BufReader::new(file)))
+        .is_ok_and(|chunk| chunk.is_some())
 }
 
 /// Reads the design that a PNG carries.
-pub(super) fn read_embedded(path: &Path) -> Result<Unpacked, FileError> {
+pub(super) fn read_embedded(path: &Path, png: &mut Input) -> Result<Unpacked, FileError> {
     let failed = |what: String| FileError::Bundle {
         path: path.to_owned(),
         what,
     };
-    let chunk = find_chunk(path).map_err(|source| FileError::Read {
+    let chunk = find_chunk(png).map_err(|source| FileError::Read {
         path: path.to_owned(),
         source,
     })?;
@@ -96,18 +96,10 @@ pub(super) fn read_embedded(path: &Path) -> Result<Unpacked, FileError> {
     unpack(&chunk).map_err(|what| failed(format!("the design that it carries {what}")))
 }
 
-/// Whether a file begins as a PNG does.
-pub(super) fn is_png(path: &Path) -> bool {
-    let mut signature = [0; SIGNATURE.len()];
-    let read = File::open(path).and_then(|mut file| file.read_exact(&mut signature));
-    read.is_ok() && signature == SIGNATURE
-}
-
 /// The data of a PNG's chunk; a chunk whose checksum is wrong counts as none.
-fn find_chunk(path: &Path) -> io::Result<Option<Vec<u8>>> {
-    let mut file = BufReader::new(File::open(path)?);
-    let mut signature = [0; SIGNATURE.len()];
-    if file.read_exact(&mut signature).is_err() || signature != SIGNATURE {
+fn find_chunk(file: &mut (impl Read + Seek)) -> io::Result<Option<Vec<u8>>> {
+    let mut signature = [0; PNG.len()];
+    if file.read_exact(&mut signature).is_err() || signature != PNG {
         return Ok(None);
     }
     loop {
@@ -123,7 +115,7 @@ fn find_chunk(path: &Path) -> io::Result<Option<Vec<u8>>> {
             continue;
         }
         let mut data = Vec::new();
-        (&mut file)
+        (&mut *file)
             .take(u64::from(length) + 4)
             .read_to_end(&mut data)?;
         if data.len() < length as usize {

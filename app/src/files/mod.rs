@@ -3,6 +3,8 @@
 //! - `preset`: presets, and the images they name
 //! - `images`: the images of a design, read and encoded
 //! - `image_words`: what they are called, and which files they are
+//! - `image_paths`: the paths that designs name them by, whatever system wrote these
+//! - `input`: what may be opened at all: files, and pipes that bring a design
 //! - `bundle`, `zip`: a design and its images in one file
 //! - `embedded`: designs in exported pictures
 //! - `shipped`: the presets that are part of the program
@@ -14,8 +16,10 @@
 mod bundle;
 mod carried;
 mod embedded;
+mod image_paths;
 mod image_words;
 mod images;
+mod input;
 mod outline;
 mod own_images;
 mod pipelines;

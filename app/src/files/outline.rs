@@ -1,11 +1,12 @@
 //! What a list of presets shows of a file, without reading it whole into a design.
 
-use std::fs;
 use std::path::Path;
 
 use renderer_core::design::{ImageSlot, preset};
 
-use super::bundle::{is_bundle, read_bundle};
+use super::bundle::{LARGEST_IMAGE, is_bundle, read_bundle};
+use super::image_paths::found_as;
+use super::input::read_file;
 use super::{Carried, LARGEST_PRESET, Shipped};
 
 /// What is to be said of a preset before it is opened.
@@ -18,7 +19,7 @@ pub struct Outline {
 }
 
 impl Outline {
-    /// Of a preset or bundle; empty for a file that cannot be read.
+    /// Of a preset or bundle; empty for what cannot be read, and for what is no file.
     pub fn of_file(path: &Path) -> Self {
         if is_bundle(path) {
             let Ok(unpacked) = read_bundle(path) else {
@@ -26,15 +27,16 @@ impl Outline {
             };
             return Self::of_text(&unpacked.text, &unpacked.carried);
         }
-        let small = fs::metadata(path).is_ok_and(|metadata| metadata.len() <= LARGEST_PRESET);
-        let Some(text) = small.then(|| fs::read_to_string(path).ok()).flatten() else {
+        let text = read_file(path, LARGEST_PRESET).ok();
+        let Some(text) = text.and_then(|text| String::from_utf8(text).ok()) else {
             return Self::default();
         };
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut images = Carried::default();
         let design = preset::parse(&text).unwrap_or_default();
         for name in ImageSlot::ALL.iter().filter_map(|slot| slot.path(&design)) {
-            if let Ok(bytes) = fs::read(folder.join(name)) {
+            let file = found_as(folder, name).map(|file| folder.join(file));
+            if let Some(Ok(bytes)) = file.map(|file| read_file(&file, LARGEST_IMAGE as u64)) {
                 images.insert(name, bytes);
             }
         }

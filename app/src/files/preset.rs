@@ -7,10 +7,12 @@ use std::path::{Component, Path, PathBuf};
 use renderer_core::design::preset::{self, PresetFault};
 use renderer_core::design::{Design, ImageSlot};
 
-use super::bundle::{Image, PRESET, Packer, is_bundle, read_bundle, save_bundle};
-use super::embedded::{is_png, read_embedded};
+use super::bundle::{Image, PRESET, Packer, is_bundle, save_bundle, unpack_input};
+use super::embedded::read_embedded;
+use super::image_paths::{explanation, found_as, same_form};
 use super::image_words::words;
 use super::images::{LoadedImage, decode_image, load_image};
+use super::input::{Content, Input};
 use super::own_images::OwnImages;
 use super::{Carried, FileError, LARGEST_PRESET, write_atomically};
 
@@ -84,14 +86,20 @@ pub fn open_to_edit(path: &Path) -> Result<(Opened, OwnImages), FileError> {
 /// # Errors
 /// As [`load_design_with`].
 pub fn open_design_with(path: &Path, sets: &[(String, String)]) -> Result<Opened, FileError> {
-    if is_bundle(path) {
-        let unpacked = read_bundle(path)?;
-        Source::new(path, Origin::Bundle, unpacked.carried).open(&unpacked.text, sets)
-    } else if is_png(path) {
-        let unpacked = read_embedded(path)?;
+    let failed = |source| FileError::Read {
+        path: path.to_owned(),
+        source,
+    };
+    let mut input = Input::open(path).map_err(failed)?;
+    let content = input.content().map_err(failed)?;
+    if content == Content::Png {
+        let unpacked = read_embedded(path, &mut input)?;
         Source::new(path, Origin::Picture, unpacked.carried).open(&unpacked.text, sets)
+    } else if content == Content::Zip || is_bundle(path) {
+        let unpacked = unpack_input(path, &mut input)?;
+        Source::new(path, Origin::Bundle, unpacked.carried).open(&unpacked.text, sets)
     } else {
-        let text = read_preset(path)?;
+        let text = read_preset(path, &mut input)?;
         Source::new(path, Origin::Preset, Carried::default()).open(&text, sets)
     }
 }
@@ -124,6 +132,7 @@ impl<'a> Source<'a> {
         }
         let mut faults = Vec::new();
         for slot in ImageSlot::ALL {
+            self.name_as_found(slot, &mut design);
             // A file that was asked for on the command line is one, and the preset is not to blame for it.
             let is_set = sets.iter().any(|(set, _)| set == slot.field());
             let Some(image) = slot.path(&design) else {
@@ -187,6 +196,22 @@ impl<'a> Source<'a> {
         }
     }
 
+    /// Names an image as this system does, where the design has its path in another form; only a path that leads
+    /// nowhere stays.
+    fn name_as_found(&self, slot: ImageSlot, design: &mut Design) {
+        let Some(path) = slot.path_mut(design) else {
+            return;
+        };
+        let folder = self.folder_of_images(false);
+        let found = match folder {
+            Some(folder) => found_as(folder, path),
+            None => (self.carried.get(path)).map(|_| same_form(path)),
+        };
+        if let Some(found) = found {
+            *path = found;
+        }
+    }
+
     fn read_image(
         &self,
         slot: ImageSlot,
@@ -194,7 +219,11 @@ impl<'a> Source<'a> {
         folder: Option<&Path>,
     ) -> Result<LoadedImage, ReadError> {
         if let Some(folder) = folder {
-            return load_image(slot, &folder.join(image)).map_err(ReadError::File);
+            let file = folder.join(image);
+            return load_image(slot, &file).map_err(|error| match explanation(image) {
+                Some(why) if !file.exists() => ReadError::Carried(format!("{error}; {why}")),
+                _ => ReadError::File(error),
+            });
         }
         if let Some(bytes) = self.carried.get(image) {
             let of_image = |what: &String| format!("{image} {what}");
@@ -241,23 +270,16 @@ enum ReadError {
 }
 
 /// A preset's text.
-fn read_preset(path: &Path) -> Result<String, FileError> {
-    let failed = |source| FileError::Read {
+fn read_preset(path: &Path, input: &mut Input) -> Result<String, FileError> {
+    let bytes = input.read_all(LARGEST_PRESET);
+    let bytes = bytes.map_err(|source| FileError::Read {
         path: path.to_owned(),
         source,
-    };
-    let no_preset = |what: String| FileError::NoPreset {
+    })?;
+    String::from_utf8(bytes).map_err(|_| FileError::NoPreset {
         path: path.to_owned(),
-        what,
-    };
-    let size = fs::metadata(path).map_err(failed)?.len();
-    if size > LARGEST_PRESET {
-        return Err(no_preset(format!(
-            "is {size} bytes large, a preset has at most {LARGEST_PRESET}"
-        )));
-    }
-    String::from_utf8(fs::read(path).map_err(failed)?)
-        .map_err(|_| no_preset("is no preset: a preset is UTF-8 text (TOML)".into()))
+        what: "is no preset: a preset is UTF-8 text (TOML)".into(),
+    })
 }
 
 /// Saves a design: as a bundle where `to` has the name of one, else as a preset. `from` is the file the design was read

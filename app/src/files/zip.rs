@@ -2,11 +2,14 @@
 //! from anywhere: nothing larger than asked for is unpacked, and nothing is written anywhere, so that names that lead
 //! out of the archive lead nowhere.
 
+use std::collections::BTreeMap;
 use std::io::{Cursor, Read, Write};
 
-use zip::result::{ZipError, ZipResult};
+use zip::result::ZipResult;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
+
+use super::image_paths::same_form;
 
 /// Most members of an archive that is read.
 const MOST_MEMBERS: usize = 1000;
@@ -26,8 +29,13 @@ pub fn write<'a>(members: impl IntoIterator<Item = (&'a str, &'a [u8])>) -> ZipR
     Ok(archive.finish()?.into_inner())
 }
 
-/// An archive in memory, its directory read.
-pub struct Archive<'a>(ZipArchive<Cursor<&'a [u8]>>);
+/// An archive in memory, its directory read. Members are called by their names in one form: with forward slashes,
+/// without `./`, their accents composed. What a system's own tools add (`__MACOSX`, `.DS_Store`) is left out.
+pub struct Archive<'a> {
+    archive: ZipArchive<Cursor<&'a [u8]>>,
+    /// Which member has which name; of several of a name the first.
+    members: BTreeMap<String, usize>,
+}
 
 impl<'a> Archive<'a> {
     /// Reads the directory.
@@ -43,7 +51,26 @@ impl<'a> Archive<'a> {
                 "has {count} members, a bundle has at most {MOST_MEMBERS}"
             ));
         }
-        Ok(Self(archive))
+        let mut members = BTreeMap::new();
+        for (index, raw) in archive.file_names_raw().enumerate() {
+            // Some tools write UTF-8 without saying so; as UTF-8 nothing else can be read by chance but plain ASCII.
+            let name = match std::str::from_utf8(raw) {
+                Ok(name) => Some(same_form(name)),
+                Err(_) => match archive.name_for_index(index) {
+                    Some(Ok(name)) => Some(same_form(&name)),
+                    _ => None,
+                },
+            };
+            if let Some(name) = name.filter(|name| !is_of_a_tool(name)) {
+                members.entry(name).or_insert(index);
+            }
+        }
+        Ok(Self { archive, members })
+    }
+
+    /// The names of all members.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.members.keys().map(String::as_str)
     }
 
     /// Unpacks a member of at most `most` bytes; `None` if there is no member of that name.
@@ -52,11 +79,13 @@ impl<'a> Archive<'a> {
     /// What is wrong, as the end of a sentence about the file.
     pub fn read(&mut self, name: &str, most: usize) -> Result<Option<Vec<u8>>, String> {
         let broken = |error: &dyn std::fmt::Display| format!("is broken: its {name}: {error}");
-        let mut member = match self.0.by_name(name) {
-            Ok(member) => member,
-            Err(ZipError::FileNotFound) => return Ok(None),
-            Err(error) => return Err(broken(&error)),
+        let Some(&index) = self.members.get(name) else {
+            return Ok(None);
         };
+        let mut member = self
+            .archive
+            .by_index(index)
+            .map_err(|error| broken(&error))?;
         let size = member.size();
         if size > most as u64 {
             return Err(format!(
@@ -70,4 +99,10 @@ impl<'a> Archive<'a> {
             .map_err(|error| broken(&error))?;
         Ok(Some(unpacked))
     }
+}
+
+/// Whether a member is none of the user's: what macOS notes of files beside them.
+fn is_of_a_tool(name: &str) -> bool {
+    let mut parts = name.split('/');
+    parts.any(|part| part == "__MACOSX" || part == ".DS_Store" || part.starts_with("._"))
 }

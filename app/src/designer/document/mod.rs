@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 use renderer_core::design::{ChartImage, Design, ImagePixels, ImageSlot};
 
-use crate::files::{Carried, Opened, Origin, OwnImages, Stamp, Unsaved};
+use crate::files::{Carried, Opened, Origin, OwnImages, Stamp, Unsaved, is_bundle};
 
 /// Most steps that can be undone. Designs share their charts' tiles, so a step costs little,
 const MAX_STEPS: usize = 1000;
@@ -96,8 +96,8 @@ impl Document {
         }
     }
 
-    /// A document of what was read from the file at `path`. Pictures and the program's own presets are no files to
-    /// save to: what is made from them is new, and keeps their name.
+    /// A document of what was read from the file at `path`. Pictures, the program's own presets, archives of other names
+    /// than bundles have, and pipes are no files to save to: what is made from them is new, and keeps their name.
     pub fn opened(opened: Opened, path: PathBuf) -> Self {
         let Opened {
             design,
@@ -107,9 +107,9 @@ impl Document {
         } = opened;
         let name = path.file_stem().map(|stem| stem.to_string_lossy().into());
         let document = match origin {
-            Origin::Preset => Self::new(design, Some(path)),
-            Origin::Bundle => Self::with_images_found(design, Some(path)),
-            Origin::Picture | Origin::Program => Self {
+            Origin::Preset if path.is_file() => Self::new(design, Some(path)),
+            Origin::Bundle if is_bundle(&path) => Self::with_images_found(design, Some(path)),
+            Origin::Preset | Origin::Bundle | Origin::Picture | Origin::Program => Self {
                 name,
                 ..Self::with_images_found(design, None)
             },

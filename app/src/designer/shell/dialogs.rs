@@ -44,7 +44,12 @@ impl Purpose {
 
     fn kind(self) -> FileKind {
         let (title, name, endings, saving): (_, _, &[&str], _) = match self {
-            Self::OpenPreset => ("Open design", "designs", &["toml", "towel", "png"], false),
+            Self::OpenPreset => (
+                "Open design",
+                "designs",
+                &["toml", "towel", "png", "zip"],
+                false,
+            ),
             Self::SavePreset => ("Save design as", "designs", &["toml", "towel"], true),
             Self::SaveBundle => ("Save as bundle", "bundles", &["towel"], true),
             Self::OpenImage(slot) => {

@@ -151,7 +151,8 @@ impl App {
         }
         let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
         match ending.as_deref() {
-            Some("toml" | files::BUNDLE_ENDING) => {
+            // Browsers and mail programs rename bundles to what they are.
+            Some("toml" | files::BUNDLE_ENDING | "zip") => {
                 self.shell.commands.push(Command::OpenPreset(path));
             }
             Some("png") if files::carries_design(&path) => {

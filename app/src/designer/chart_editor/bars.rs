@@ -1,8 +1,7 @@
 //! The bars of the chart editor: tools and colours, changes of the whole chart, and what is under the pointer.
 
 use egui::{
-    Align, Button, ComboBox, DragValue, Layout, Panel, Popup, PopupCloseBehavior, RichText, Stroke,
-    Ui, vec2,
+    Align, Button, ComboBox, Layout, Panel, Popup, PopupCloseBehavior, RichText, Stroke, Ui, vec2,
 };
 use renderer_core::design::chart_edit::{
     BARE, LARGEST_BRUSH, Resampling, YarnCount, flip_x, flip_y, resize, rotate_right,
@@ -15,7 +14,7 @@ use super::work::put;
 use super::yarn_name::yarn_name;
 use super::{ChartEditor, Tool};
 use crate::designer::widgets::style;
-use crate::designer::widgets::{Icon, IconButton, check_box, colour_well};
+use crate::designer::widgets::{Icon, IconButton, NumberField, check_box, colour_well};
 
 /// Most yarns that have a swatch to paint with.
 const MOST_SWATCHES: usize = 24;
@@ -118,14 +117,12 @@ fn tools(ui: &mut Ui, editor: &mut ChartEditor) {
         }
     }
     ui.add_space(4.0);
-    ui.add(
-        DragValue::new(&mut editor.brush)
-            .range(1..=LARGEST_BRUSH)
-            .speed(0.1)
-            .suffix(" px"),
-    )
-    .accessible_name("Brush size")
-    .on_hover_text("Width of the brush in pixels of the chart; the keys [ and ] change it.");
+    let brush = NumberField::new(&mut editor.brush, "px", 1..=LARGEST_BRUSH).speed(0.1);
+    brush
+        .suffix(" px")
+        .show(ui)
+        .accessible_name("Brush size")
+        .on_hover_text("Width of the brush in pixels of the chart; the keys [ and ] change it.");
 }
 
 fn changes(ui: &mut Ui, editor: &mut ChartEditor, image: &ChartImage) {
@@ -235,9 +232,8 @@ fn resize_form(ui: &mut Ui, editor: &mut ChartEditor, image: &ChartImage, sheet:
 
 /// A side of the chart to be typed. Returns whether it has changed.
 fn side(ui: &mut Ui, value: &mut usize, name: &str) -> bool {
-    let range = 1..=ChartImage::MAX_SIDE;
-    let side = ui.add(DragValue::new(value).range(range).speed(1.0));
-    side.accessible_name(name).changed()
+    let side = NumberField::new(value, "px", 1..=ChartImage::MAX_SIDE);
+    side.show(ui).accessible_name(name).changed()
 }
 
 fn colours(ui: &mut Ui, editor: &mut ChartEditor, yarns: &[YarnCount]) {

@@ -1,6 +1,8 @@
 //! Form: how the cloth lies in space.
 
-use egui::{Color32, ColorImage, DragValue, Ui, vec2};
+use std::ops::RangeInclusive;
+
+use egui::{Color32, ColorImage, Response, Ui, vec2};
 use renderer_core::design::{Design, Form, FormKind, HeightImage, ImageSlot};
 use renderer_core::scene::{Net, net_through};
 
@@ -8,7 +10,7 @@ use crate::designer::panels::choice_row::{check, choice};
 use crate::designer::panels::image_preview::file_label;
 use crate::designer::panels::number_row::number;
 use crate::designer::shell::command::Command;
-use crate::designer::widgets::{Thumbnail, row, show_thumbnail};
+use crate::designer::widgets::{NumberField, Thumbnail, row, show_thumbnail};
 
 /// Rows and columns of a net that is new.
 const NEW_NET: usize = 5;
@@ -120,6 +122,11 @@ fn level_net(design: &Design, size: [usize; 2]) -> Vec<Vec<[f64; 3]>> {
     })
 }
 
+/// A field for how many there are, or which of them.
+fn count(ui: &mut Ui, value: &mut usize, range: RangeInclusive<usize>) -> Response {
+    NumberField::new(value, "", range).speed(0.05).show(ui)
+}
+
 fn net(ui: &mut Ui, state: &mut State, design: &mut Design) {
     ui.weak("Drag the points in the picture; with Alt they go straight up and down.");
     let rows = design.form.net.len();
@@ -130,19 +137,9 @@ fn net(ui: &mut Ui, state: &mut State, design: &mut Design) {
         "Points",
         "How many points the net has along the weft and along the warp.",
         |ui, label| {
-            ui.add(
-                DragValue::new(&mut size[0])
-                    .range(Form::NET_SIZES)
-                    .speed(0.05),
-            )
-            .labelled_by(label.id);
+            count(ui, &mut size[0], Form::NET_SIZES).labelled_by(label.id);
             ui.label("×");
-            ui.add(
-                DragValue::new(&mut size[1])
-                    .range(Form::NET_SIZES)
-                    .speed(0.05),
-            )
-            .labelled_by(label.id);
+            count(ui, &mut size[1], Form::NET_SIZES).labelled_by(label.id);
             let level = ui.button("Lay level");
             if level
                 .on_hover_text("Puts all points where they leave the cloth level.")
@@ -170,18 +167,8 @@ fn net(ui: &mut Ui, state: &mut State, design: &mut Design) {
         "Point",
         "Which point: its column from the left, and its row from the near edge.",
         |ui, label| {
-            ui.add(
-                DragValue::new(&mut column_number)
-                    .range(1..=last_column + 1)
-                    .speed(0.05),
-            )
-            .labelled_by(label.id);
-            ui.add(
-                DragValue::new(&mut row_number)
-                    .range(1..=last_row + 1)
-                    .speed(0.05),
-            )
-            .labelled_by(label.id);
+            count(ui, &mut column_number, 1..=last_column + 1).labelled_by(label.id);
+            count(ui, &mut row_number, 1..=last_row + 1).labelled_by(label.id);
         },
     );
     (state.row, state.column) = (row_number - 1, column_number - 1);
@@ -198,13 +185,8 @@ fn net(ui: &mut Ui, state: &mut State, design: &mut Design) {
         |ui, label| {
             for value in point {
                 let range = -Form::FARTHEST_MM..=Form::FARTHEST_MM;
-                ui.add(
-                    DragValue::new(value)
-                        .range(range)
-                        .speed(0.5)
-                        .max_decimals(1),
-                )
-                .labelled_by(label.id);
+                let place = NumberField::new(value, "mm", range).speed(0.5);
+                place.max_decimals(1).show(ui).labelled_by(label.id);
             }
             ui.weak("mm");
         },

@@ -13,7 +13,7 @@ use crate::designer::panels::choice_row::{choice, colour};
 use crate::designer::panels::image_preview::file_label;
 use crate::designer::panels::number_row::number;
 use crate::designer::shell::command::Command;
-use crate::designer::widgets::{Thumbnail, show_thumbnail, subheading};
+use crate::designer::widgets::{Thumbnail, about_dropping, show_thumbnail, subheading};
 
 /// The lights' sphere and the picture of the surroundings.
 #[derive(Default)]
@@ -184,15 +184,19 @@ fn picture(
     environment: &mut Environment,
     around: &mut Surroundings<'_>,
 ) {
-    let open = ui.button("Open surroundings…");
-    if open
-        .on_hover_text(
-            "Chooses an equirectangular image: .hdr or .exr with linear light, or a picture as .png or .jpg. An .hdr \
-             or .exr can also be dropped on the window.",
-        )
+    let dropping = about_dropping(ui.ctx(), "An .hdr or .exr");
+    let what = format!(
+        "Chooses an equirectangular image: .hdr or .exr with linear light, or a picture as .png or .jpg. \
+         {dropping}"
+    );
+    if ui
+        .button("Open surroundings…")
+        .on_hover_text(what)
         .clicked()
     {
-        around.commands.push(Command::OpenImage(ImageSlot::Environment));
+        around
+            .commands
+            .push(Command::OpenImage(ImageSlot::Environment));
     }
     let Some(image) = &environment.pixels else {
         ui.weak("No image yet: the picture shows the last light.");

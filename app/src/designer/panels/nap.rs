@@ -1,8 +1,7 @@
 //! The nap map: opened, made ready, or combed with the pointer on its picture.
 
 use egui::{
-    Button, Color32, CursorIcon, DragValue, Pos2, Rect, Role, Sense, Stroke, Ui, Vec2, WidgetInfo,
-    vec2,
+    Button, Color32, CursorIcon, Pos2, Rect, Role, Sense, Stroke, Ui, Vec2, WidgetInfo, vec2,
 };
 use renderer_core::design::nap_edit::{
     LARGEST_COMB, comb, direction, footprints, pixel, smoothed, stripes, upright,
@@ -14,7 +13,7 @@ use super::surroundings::Surroundings;
 use crate::designer::panels::choice_row::choice;
 use crate::designer::panels::number_row::number;
 use crate::designer::shell::command::Command;
-use crate::designer::widgets::{PointerWay, Thumbnail, row, subheading};
+use crate::designer::widgets::{NumberField, PointerWay, Thumbnail, row, subheading};
 
 /// Picture of the map, and the comb.
 pub struct State {
@@ -51,14 +50,9 @@ pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design, around: &mut Su
         name = picture(ui, state, nap, sheet, &map).or(name);
         let what = "Width of the comb, in pixels of the map.";
         row(ui, "Comb", what, |ui, label| {
-            ui.add(
-                DragValue::new(&mut state.comb)
-                    .range(1.0..=LARGEST_COMB)
-                    .speed(0.5)
-                    .fixed_decimals(0),
-            )
-            .labelled_by(label.id)
-            .on_hover_text(what);
+            let comb = NumberField::new(&mut state.comb, "px", 1.0..=LARGEST_COMB);
+            let comb = comb.speed(0.5).max_decimals(0).show(ui);
+            comb.labelled_by(label.id).on_hover_text(what);
             ui.weak("px");
         });
         number(ui, &fields.strength, &mut nap.strength);

@@ -2,13 +2,13 @@
 //! it.
 
 use egui::emath::Numeric;
-use egui::{DragValue, PointerButton, Response, RichText, Sense, Slider, SliderClamping, Ui, vec2};
+use egui::{PointerButton, Response, RichText, Sense, Slider, SliderClamping, Ui, vec2};
 use renderer_core::design::Field;
 use renderer_core::sampling::hash;
 
 use crate::designer::document::labels::label_of;
 use crate::designer::widgets::style::{ROW_HEIGHT, UNIT_WIDTH, VALUE_WIDTH};
-use crate::designer::widgets::{Icon, IconButton, check_box, fixed_text, row};
+use crate::designer::widgets::{Icon, IconButton, NumberField, check_box, fixed_text, row};
 
 /// Row with label, slider, typed value and unit. Double clicks on the label or the slider set the default.
 pub fn number<N: Numeric>(ui: &mut Ui, field: &Field, value: &mut N) {
@@ -101,34 +101,22 @@ fn number_with_slider<N: Numeric>(ui: &mut Ui, field: &Field, value: &mut N, lab
 }
 
 fn drag_value<N: Numeric>(ui: &mut Ui, field: &Field, value: &mut N) -> Response {
-    let before = *value;
     let speed = if field.integer {
         1.0
     } else {
-        let scale = before
+        let scale = value
             .to_f64()
             .abs()
             .max(field.default.abs())
             .max((field.max - field.min) * 1e-4);
         (scale * 0.01).min((field.max - field.min) * 0.01)
     };
-    let drag = DragValue::new(value)
-        .range(field.min..=field.max)
+    NumberField::new(value, field.unit, field.min..=field.max)
         .speed(speed)
-        .clamp_existing_to_range(false)
-        .update_while_editing(false)
-        .clip_text(true)
-        .max_decimals(6)
-        .custom_formatter(|value, _| text_of(value))
-        .min_size(vec2(VALUE_WIDTH, ROW_HEIGHT));
-    let response = ui
-        .add_sized([VALUE_WIDTH, ROW_HEIGHT], drag)
-        .on_hover_text(tooltip(field));
-    // Leaving a field that shows fewer digits than the value has is no edit.
-    if text_of(before.to_f64()) == text_of(value.to_f64()) {
-        *value = before;
-    }
-    response
+        .format(&text_of)
+        .size(vec2(VALUE_WIDTH, ROW_HEIGHT))
+        .show(ui)
+        .on_hover_text(tooltip(field))
 }
 
 fn tooltip(field: &Field) -> String {

@@ -1,12 +1,12 @@
 //! The window that asks how large the screen's pixels are: a bar that the user makes as long as a real ruler says.
 
 use egui::{
-    Align2, Button, Color32, Context, CursorIcon, DragValue, EventFilter, FontId, Id, Key, Sense,
-    Stroke, Ui, WidgetInfo, Window, pos2, vec2,
+    Align2, Button, Color32, Context, CursorIcon, EventFilter, FontId, Id, Key, Sense, Stroke, Ui,
+    WidgetInfo, Window, pos2, vec2,
 };
 
 use super::screen::{DPI_RANGE, MM_PER_INCH, Screen};
-use crate::designer::widgets::style;
+use crate::designer::widgets::{NumberField, style};
 
 /// Width of the window's inside, points.
 const WIDTH: f32 = 600.0;
@@ -41,7 +41,10 @@ fn contents(ui: &mut Ui, screen: &mut Screen) -> bool {
     ui.add_space(6.0);
     ui.horizontal(|ui| {
         let label = ui.label("Dots per inch");
-        ui.add(DragValue::new(&mut dpi).range(DPI_RANGE).speed(0.1).max_decimals(1))
+        NumberField::new(&mut dpi, "dpi", DPI_RANGE)
+            .speed(0.1)
+            .max_decimals(1)
+            .show(ui)
             .labelled_by(label.id)
             .on_hover_text(
                 "Pixels of the screen in an inch, if you know them: 25.4 × its width in pixels ÷ its width in mm.",

@@ -2,10 +2,12 @@
 
 mod curve_editor;
 mod file_browser;
+mod file_drop;
 mod grid_editor;
 mod icon;
 mod icon_button;
 mod keys;
+mod number_field;
 mod pointer_way;
 mod row;
 pub mod shapes;
@@ -16,10 +18,12 @@ mod toggle;
 
 pub use curve_editor::{CurveEditor, curve_editor};
 pub use file_browser::{Browsed, FileBrowser, FileKind};
+pub use file_drop::{about_dropping, cannot_take_drops};
 pub use grid_editor::{GridAccess, GridCell, GridEditor, GridTool, GridView, grid_editor};
 pub use icon::Icon;
 pub use icon_button::IconButton;
 pub use keys::arrow_keys;
+pub use number_field::NumberField;
 pub use pointer_way::PointerWay;
 pub use row::{fixed_text, more, row, subheading};
 pub use text::shortened;

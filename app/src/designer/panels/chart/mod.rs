@@ -3,7 +3,7 @@
 mod reduce;
 mod yarns;
 
-use egui::{Color32, DragValue, Stroke, Ui, vec2};
+use egui::{Color32, Stroke, Ui, vec2};
 use renderer_core::design::{Chart, ChartImage, Design, Fit, ImageSlot, Sheet};
 use renderer_core::scene::ChartYarns;
 
@@ -13,7 +13,9 @@ use crate::designer::panels::choice_row::{check, choice, colour};
 use crate::designer::panels::image_preview::{Picture, file_label, reduced};
 use crate::designer::panels::surroundings::Surroundings;
 use crate::designer::shell::command::Command;
-use crate::designer::widgets::{Thumbnail, check_box, row, show_thumbnail};
+use crate::designer::widgets::{
+    NumberField, Thumbnail, about_dropping, check_box, row, show_thumbnail,
+};
 
 /// Picture of the chart, its yarns, and the editor.
 #[derive(Default)]
@@ -64,11 +66,8 @@ pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design, around: &mut Su
 
 fn files(ui: &mut Ui, chart: &mut Chart, around: &mut Surroundings<'_>) {
     ui.horizontal(|ui| {
-        let open = ui.button("Open chart…");
-        if open
-            .on_hover_text("Chooses an image; one can also be dropped on the window.")
-            .clicked()
-        {
+        let what = format!("Chooses an image. {}", about_dropping(ui.ctx(), "One"));
+        if ui.button("Open chart…").on_hover_text(what).clicked() {
             around.commands.push(Command::OpenImage(ImageSlot::Chart));
         }
         let paste = ui.button("Paste").accessible_name("Paste chart");
@@ -220,13 +219,9 @@ fn layout(ui: &mut Ui, chart: &mut Chart) {
             ] {
                 let label = label_of(field.name);
                 row(ui, &label, field.what, |ui, label| {
-                    ui.add(
-                        DragValue::new(value)
-                            .range(field.min..=field.max)
-                            .speed(0.3),
-                    )
-                    .labelled_by(label.id)
-                    .on_hover_text(field.what);
+                    let offset = NumberField::new(value, field.unit, field.min..=field.max);
+                    let offset = offset.speed(0.3).show(ui);
+                    offset.labelled_by(label.id).on_hover_text(field.what);
                     ui.weak(field.unit);
                 });
             }

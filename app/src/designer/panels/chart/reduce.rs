@@ -1,12 +1,12 @@
 //! Reducing a chart to a few yarns: how many, whether they are mixed, and a preview on the cloth before it is done.
 
-use egui::{Button, Color32, ComboBox, Context, DragValue, Sense, Ui, vec2};
+use egui::{Button, Color32, ComboBox, Context, Sense, Ui, vec2};
 use renderer_core::design::chart_edit::{Dither, MOST_YARNS, choose_yarns, reduce_to};
 use renderer_core::design::{Chart, ChartImage};
 
 use crate::designer::chart_editor::work::put;
 use crate::designer::tasks::{Poll, Task};
-use crate::designer::widgets::{row, subheading};
+use crate::designer::widgets::{NumberField, row, subheading};
 
 /// What is asked for.
 #[derive(Clone, PartialEq)]
@@ -123,13 +123,11 @@ pub fn show(ui: &mut Ui, state: &mut State, chart: &mut Chart) -> Option<String>
 fn form(ui: &mut Ui, state: &mut State) {
     let what = "How many yarns the chart may have; fewer are easier to weave.";
     row(ui, "Number", what, |ui, _| {
-        ui.add(
-            DragValue::new(&mut state.yarns)
-                .range(1..=MOST_YARNS)
-                .speed(0.1),
-        )
-        .accessible_name("Number of yarns")
-        .on_hover_text(what);
+        let yarns = NumberField::new(&mut state.yarns, "yarns", 1..=MOST_YARNS).speed(0.1);
+        yarns
+            .show(ui)
+            .accessible_name("Number of yarns")
+            .on_hover_text(what);
         ui.weak("yarns");
     });
     let what = "Whether yarns are mixed loop by loop where none of them is the colour.";

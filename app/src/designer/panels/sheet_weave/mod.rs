@@ -5,7 +5,7 @@ mod legend;
 mod ready;
 mod tools;
 
-use egui::{Context, DragValue, RichText, ScrollArea, Ui, Vec2, Window, vec2};
+use egui::{Context, RichText, ScrollArea, Ui, Vec2, Window, vec2};
 use renderer_core::design::{
     Anchor, Back, Design, Field, NewCells, Pattern, STITCHES, Sheet, Weave,
 };
@@ -14,7 +14,8 @@ use crate::designer::panels::choice_row::choice;
 use crate::designer::panels::number_row::number;
 use crate::designer::widgets::style::{ROW_HEIGHT, VALUE_WIDTH};
 use crate::designer::widgets::{
-    GridAccess, GridCell, GridEditor, GridView, Icon, IconButton, grid_editor, row, subheading,
+    GridAccess, GridCell, GridEditor, GridView, Icon, IconButton, NumberField, grid_editor, row,
+    subheading,
 };
 use legend::stitch_name;
 
@@ -128,14 +129,11 @@ fn side(ui: &mut Ui, side: &Side<'_>, yarns: &mut u32) {
     } = side;
     let before = f64::from(*yarns) / per_cm;
     let mut cm = before;
-    let value = DragValue::new(&mut cm)
-        .range(field.min / per_cm..=field.max / per_cm)
-        .clamp_existing_to_range(false)
-        .update_while_editing(false)
+    let response = NumberField::new(&mut cm, "cm", field.min / per_cm..=field.max / per_cm)
         .speed(0.1)
-        .max_decimals(1);
-    let response = ui
-        .add_sized([VALUE_WIDTH, ROW_HEIGHT], value)
+        .max_decimals(1)
+        .size(vec2(VALUE_WIDTH, ROW_HEIGHT))
+        .show(ui)
         .accessible_name(name)
         .on_hover_text(format!(
             "{name}, in cm; the yarns stand as closely as before."

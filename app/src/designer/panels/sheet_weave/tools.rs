@@ -1,13 +1,13 @@
 //! Buttons of the weave editor: tools, zoom, and what changes the whole pattern.
 
 use egui::{
-    DragValue, Key, Modifiers, Popup, PopupCloseBehavior, Rect, Response, Role, Sense, StrokeKind,
-    Ui, Vec2, WidgetInfo,
+    Key, Modifiers, Popup, PopupCloseBehavior, Rect, Response, Role, Sense, StrokeKind, Ui, Vec2,
+    WidgetInfo,
 };
 use renderer_core::design::{Anchor, Keep, NewCells, Pattern, Weave};
 
 use super::{State, icon_button, ready};
-use crate::designer::widgets::{GridEditor, GridTool, Icon, IconButton};
+use crate::designer::widgets::{GridEditor, GridTool, Icon, IconButton, NumberField};
 
 /// Tools and zoom.
 pub(super) fn tools(ui: &mut Ui, editor: &mut GridEditor, is_enlarged: &mut bool) {
@@ -145,20 +145,17 @@ pub(super) fn take_keys(ui: &Ui, pattern: &mut Pattern) {
 /// Columns and rows, and what happens to the content when they change.
 fn size(ui: &mut Ui, state: &mut State, pattern: &mut Pattern) {
     let (mut cols, mut rows) = (pattern.cols(), pattern.rows());
-    let side = |value| {
-        DragValue::new(value)
-            .range(1..=Pattern::MAX_SIDE)
-            .speed(0.1)
+    let side = |ui: &mut Ui, value| {
+        let side = NumberField::new(value, "", 1..=Pattern::MAX_SIDE);
+        side.speed(0.1).show(ui)
     };
-    let wide = ui
-        .add(side(&mut cols))
+    let wide = side(ui, &mut cols)
         .accessible_name("Pattern columns")
         .on_hover_text(
             "Columns of the pattern: its repeat along the weft. What is painted is kept.",
         );
     ui.label("×");
-    let long = ui
-        .add(side(&mut rows))
+    let long = side(ui, &mut rows)
         .accessible_name("Pattern rows")
         .on_hover_text("Rows of the pattern: its repeat along the warp. What is painted is kept.");
     let resized =

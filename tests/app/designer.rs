@@ -17,8 +17,10 @@ mod loops;
 mod panels;
 mod ready_patterns;
 mod rendering;
+mod scripts;
 mod states;
 mod thumbnails;
+mod typed;
 mod view;
 mod weave;
 

@@ -37,7 +37,9 @@ mod widgets;
 
 use std::path::PathBuf;
 
-pub use app::{App, WindowHandoff, in_a_window, run};
+pub use app::{
+    App, SMALLEST_WINDOW, WindowHandoff, has_glyph, in_a_window, run, use_fonts, use_system_fonts,
+};
 pub use document::Document;
 pub use document::folders::Folders;
 pub use document::labels::label_of;

@@ -10,7 +10,7 @@ use egui::{Key, Rect, Theme, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::NodeT;
 use renderer_core::design::{Fit, LengthMap};
-use towel_designer::designer::App;
+use towel_designer::designer::{App, SMALLEST_WINDOW};
 
 use super::states::{self, Look, STATES};
 use super::*;
@@ -113,8 +113,10 @@ fn faults(harness: &Harness<'_, App>, size: Vec2) -> Vec<String> {
     Drawn::of(&harness.output().shapes).faults(Rect::from_min_size(Pos2::ZERO, size))
 }
 
-/// Sizes in points: 1280 × 720 at 100 %, 1920 × 1080 at 200 %, 150 % and 100 %, which is 4K at 200 %, and 4K at 100 %.
-const SIZES: [[f32; 2]; 5] = [
+/// Sizes in points: 1280 × 720 at 100 %, 1920 × 1080 at 200 %, 150 % and 100 %, which is 4K at 200 %, and 4K at 100 %;
+/// and the smallest that a window can have.
+const SIZES: [[f32; 2]; 6] = [
+    SMALLEST_WINDOW,
     [1280.0, 720.0],
     [960.0, 540.0],
     [1280.0, 680.0],

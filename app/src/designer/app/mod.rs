@@ -1,14 +1,16 @@
 //! The program's window: holds the document and everything that shows it, and runs a frame.
 //!
 //! Everything that changes more than one part of the window is here, one file each: what the window looks like
-//! (`layout`), what commands do (`perform`, `view`, `preset_actions`, `paste`), files (`filing`), and what becomes of
-//! the document when the window is lost (`window_handoff`).
+//! (`layout`), what commands do (`perform`, `view`, `preset_actions`, `paste`), files (`filing`), what becomes of the
+//! document when the window is lost (`window_handoff`), and writing of all scripts (`system_fonts`, `character_map`).
 
+mod character_map;
 mod filing;
 mod layout;
 mod paste;
 mod perform;
 mod preset_actions;
+mod system_fonts;
 mod view;
 mod window;
 mod window_handoff;
@@ -20,7 +22,9 @@ use eframe::CreationContext;
 use egui::{Context, Ui, ViewportCommand};
 use renderer_core::gpu::DeviceWatch;
 
-pub use window::in_a_window;
+pub use character_map::has_glyph;
+pub use system_fonts::{use_fonts, use_system_fonts};
+pub use window::{SMALLEST_WINDOW, in_a_window};
 pub use window_handoff::{WindowHandoff, run};
 
 use super::Setup;
@@ -84,6 +88,7 @@ impl App {
         }
         app.look_first();
         window::keep_to_textures(cc);
+        window::note_drops(cc);
         if let Some(preset) = setup.preset {
             app.load_preset(ctx, preset);
         }

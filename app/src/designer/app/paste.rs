@@ -54,7 +54,7 @@ impl App {
                 self.shell.pasting = None;
                 self.shell.notices.error(
                     "Not pasted",
-                    "The clipboard holds no image, or there is no clipboard. Copy an image, or open or drop its file.",
+                    "The clipboard holds no image, or there is no clipboard. Copy an image, or open its file.",
                 );
             }
             Some(left) => {

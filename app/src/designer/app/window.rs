@@ -7,6 +7,13 @@ use eframe::CreationContext;
 use egui::ViewportCommand;
 use renderer_core::gpu::wanted_features;
 use renderer_core::render::MAX_SIDE;
+use wgpu::rwh::{HasDisplayHandle, RawDisplayHandle};
+
+use super::system_fonts::use_system_fonts;
+use crate::designer::widgets::cannot_take_drops;
+
+/// Smallest size of the window, points: with its frame it fits a screen of 1366 × 768 pixels at scale 1.5.
+pub const SMALLEST_WINDOW: [f32; 2] = [880.0, 440.0];
 
 /// Opens a window of the designer's size with what `create` makes, and returns when it is closed.
 ///
@@ -19,11 +26,16 @@ pub fn in_a_window(
         viewport: egui::ViewportBuilder::default()
             .with_app_id("towel-designer")
             .with_inner_size([1280.0, 800.0])
-            .with_min_inner_size([900.0, 560.0]),
+            .with_min_inner_size(SMALLEST_WINDOW),
         wgpu_options: wgpu_options(),
+        // Ours are used instead.
+        system_font_fallback: false,
         ..Default::default()
     };
-    let create: eframe::AppCreator<'_> = Box::new(move |cc| Ok(create(cc)));
+    let create: eframe::AppCreator<'_> = Box::new(move |cc| {
+        use_system_fonts(&cc.egui_ctx);
+        Ok(create(cc))
+    });
     eframe::run_native("Towel Designer", options, create).map_err(|error| {
         anyhow!(
             "the window cannot be opened: {error}; without a display use `towel-designer render`, and on Debian and \
@@ -44,6 +56,14 @@ fn wgpu_options() -> egui_wgpu::WgpuConfiguration {
     egui_wgpu::WgpuConfiguration {
         wgpu_setup: egui_wgpu::WgpuSetup::CreateNew(setup),
         ..Default::default()
+    }
+}
+
+/// Notes where the window cannot take dropped files.
+pub fn note_drops(cc: &CreationContext<'_>) {
+    let display = cc.display_handle().map(|display| display.as_raw());
+    if matches!(display, Ok(RawDisplayHandle::Wayland(_))) {
+        cannot_take_drops(&cc.egui_ctx);
     }
 }
 

@@ -12,6 +12,8 @@ use std::process::{Command, Output, Stdio};
 use exr::prelude::{ReadChannels, ReadLayers};
 use tempfile::TempDir;
 
+use crate::support::picture_files::jpeg_of_blocks;
+
 /// A folder with a preset of a few loops.
 struct Bench {
     folder: TempDir,
@@ -720,6 +722,33 @@ fn check_names_the_sound_and_every_fault() {
         "{errors}"
     );
     assert_eq!(bench.run(&["check", "small.toml"]).status.code(), Some(0));
+}
+
+#[test]
+fn what_is_wrong_with_an_image_that_opens_is_told_on_stderr_by_every_command() {
+    let bench = Bench::new();
+    let jpeg = jpeg_of_blocks(&[&[90], &[200]]);
+    fs::write(bench.path("chart.png"), &jpeg[..jpeg.len() - 2]).unwrap();
+    let says = "warning: chart.png: chart image: ends in the middle of its picture: what is missing is grey or blurred\n";
+    for arguments in [
+        &["check", "small.toml"][..],
+        &[
+            "render",
+            "small.toml",
+            "-o",
+            "s.png",
+            "--size",
+            "8x8",
+            "--samples",
+            "1",
+        ],
+        &["export", "loops", "small.toml", "-o", "l.json"],
+    ] {
+        let output = bench.run(arguments);
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}");
+        let errors = text(&output.stderr);
+        assert!(errors.contains(says), "{arguments:?}: {errors}");
+    }
 }
 
 #[test]

@@ -17,6 +17,7 @@ mod height;
 mod inputs;
 mod nap;
 mod picture_file;
+mod pictures;
 mod presets;
 mod recovery;
 mod repacked;
@@ -28,6 +29,8 @@ mod support {
     pub mod display;
     pub mod drawing;
     pub mod file_drop;
+    pub mod mutate;
+    pub mod picture_files;
     pub mod png;
     pub mod scenes;
 }

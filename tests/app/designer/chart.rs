@@ -15,6 +15,8 @@ use renderer_core::design::{ChartImage, Fit, LengthMap};
 use towel_designer::designer::App;
 use towel_designer::files;
 
+use crate::support::picture_files::{bmp, jpeg_of_blocks};
+
 use super::{
     Dropped, choose, click, design, designer, designer_of_size, first_button, in_frames,
     open_panel, requested, type_number, type_path, wait,
@@ -631,6 +633,43 @@ fn broken_and_too_large_images_are_refused_and_the_old_chart_stays() {
         assert_eq!(*design(&harness), before);
         click(&mut harness, "Dismiss: Chart not opened");
     }
+}
+
+#[test]
+fn a_weavers_bmp_is_dropped_and_of_a_damaged_photo_a_warning_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = designer_of_size(None, vec2(1280.0, 720.0));
+    // Two entries of one colour.
+    let path = folder.path().join("dobby.BMP");
+    let bmp = bmp(
+        4,
+        8,
+        &[[200, 30, 30], [200, 30, 30], [20, 30, 90]],
+        &[0, 1, 2, 2],
+    );
+    std::fs::write(&path, bmp).unwrap();
+    drop_file(&mut harness, &path);
+    wait(&mut harness, "the chart", |h| {
+        design(h).chart.pixels.is_some()
+    });
+    let chart = pixels(&harness);
+    let near_red = [200, 30, 31, 255];
+    assert_eq!(
+        [0, 1, 2, 3].map(|x| chart.pixel(x, 0)),
+        [RED, near_red, NAVY, NAVY]
+    );
+    assert!(harness.query_by_label("Opened with a warning").is_none());
+
+    let path = folder.path().join("photo.jpg");
+    let jpeg = jpeg_of_blocks(&[&[90], &[200]]);
+    std::fs::write(&path, &jpeg[..jpeg.len() - 2]).unwrap();
+    drop_file(&mut harness, &path);
+    wait(&mut harness, "the photo", |h| pixels(h).width() == 16);
+    harness.run_steps(20);
+    let says = "photo.jpg: chart image: ends in the middle of its picture";
+    assert!(harness.query_by_label_contains(says).is_some());
+    click(&mut harness, "Dismiss: Opened with a warning");
+    assert!(harness.query_by_label_contains(says).is_none());
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Radiance pictures (`.hdr`, `.pic`, `.xyze`): lines of text, then pixels of four bytes with a shared exponent, in runs.
+//! Radiance pictures (`.hdr`, `.pic`, `.xyze`): lines of text, then pixels of four bytes with a shared exponent.
 //!
 //! As Radiance's manual and its program `ra_xyze` have them: EXPOSURE and COLORCORR say what values were multiplied by,
 //! each line once more; XYZE holds X, Y, Z whose white is that of equal energy; the line before the pixels names the

@@ -109,8 +109,8 @@ impl Survey {
     }
 }
 
-/// The inks of a JPEG from its channels, from 0, none, to 255. Programs that write an Adobe segment write them inverted,
-/// the first three as YCbCr where its transform is 2.
+/// The inks of a JPEG from its channels, from 0, none, to 255. Programs that write an Adobe segment write them
+/// inverted, the first three as YCbCr where its transform is 2.
 pub(super) fn inks(mut channels: RgbaImage, adobe_transform: Option<u8>) -> DynamicImage {
     channels.pixels_mut().for_each(|pixel| {
         pixel.0 = match (adobe_transform, pixel.0) {

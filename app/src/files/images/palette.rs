@@ -86,8 +86,8 @@ impl Palette {
         }
     }
 
-    /// Gives entries that are used and have the colour of an earlier one the nearest colour that none has. A chart knows
-    /// a yarn by its colour, and two entries are two yarns, in whatever colours they are shown.
+    /// Gives entries that are used and have the colour of an earlier one the nearest colour that none has. A chart
+    /// knows a yarn by its colour, and two entries are two yarns, in whatever colours they are shown.
     pub(super) fn tell_apart(&mut self, used: &[bool; 256]) {
         let mut taken: HashSet<[u8; 3]> = HashSet::new();
         let colour = |[r, g, b, _]: [u8; 4]| [r, g, b];

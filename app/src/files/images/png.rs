@@ -106,8 +106,8 @@ pub(super) fn described(bytes: &[u8]) -> Described {
     }
 }
 
-/// Whether an exponent is the one that programs write for sRGB, whose curve is no power: within a twentieth of 1/2.2, as
-/// the format's reference library has it.
+/// Whether an exponent is the one that programs write for sRGB, whose curve is no power: within a twentieth of 1/2.2,
+/// as the format's reference library has it.
 fn is_near_srgb(exponent: f64) -> bool {
     (exponent * 2.2 - 1.0).abs() < 0.05
 }

@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use super::jpeg::Survey;
 use super::png::{self, Described};
 use super::primaries::Primaries;
+use super::tiff;
 
 /// The colour space of a picture.
 pub(super) enum Profile {
@@ -50,6 +51,10 @@ impl Profile {
                     exponent,
                 } => of_encoding(primaries, exponent).map(Some),
             },
+            // Its decoder takes a profile that it cannot read for none.
+            ImageFormat::Tiff => {
+                tiff::profile(bytes).and_then(|profile| profile.map(of_icc).transpose())
+            }
             ImageFormat::Bmp => of_bmp(bytes).map(of_icc).transpose(),
             _ => of_decoder(decoder, survey.is_some_and(|survey| survey.has_profile)),
         };

@@ -9,6 +9,7 @@ const PHOTOMETRIC: u16 = 262;
 const SAMPLES_PER_PIXEL: u16 = 277;
 const COLOR_MAP: u16 = 320;
 const TILE_WIDTH: u16 = 322;
+const ICC_PROFILE: u16 = 34675;
 
 /// Values of [`PHOTOMETRIC`].
 const WHITE_IS_ZERO: u32 = 0;
@@ -110,6 +111,22 @@ fn size_of_kind(kind: u16) -> Option<usize> {
         3 => Some(2),
         4 => Some(4),
         _ => None,
+    }
+}
+
+/// The colour profile that a file carries; an error where it lies beyond the file's end.
+pub(super) fn profile(bytes: &[u8]) -> Result<Option<&[u8]>, String> {
+    let place = Directory::read(bytes).and_then(|directory| {
+        let entry = directory.entry(ICC_PROFILE)?;
+        let start = directory.number(entry.field, 4)? as usize;
+        Some((start, start.checked_add(entry.count)?))
+    });
+    match place {
+        None => Ok(None),
+        Some((start, end)) => match bytes.get(start..end) {
+            Some(profile) => Ok(Some(profile)),
+            None => Err("it is cut off".into()),
+        },
     }
 }
 

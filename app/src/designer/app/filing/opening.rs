@@ -99,9 +99,7 @@ impl App {
     fn warn_of_images(&mut self, warnings: &[String]) {
         if !warnings.is_empty() {
             let text = warnings.join("\n");
-            self.shell
-                .notices
-                .error("Opened, but not as it was meant", text);
+            self.shell.notices.error("Opened with a warning", text);
         }
     }
 

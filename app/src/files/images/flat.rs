@@ -80,7 +80,7 @@ impl Flat {
     pub(super) fn yarns(self, notes: &mut Vec<String>) -> Result<RgbaImage, String> {
         match self.pixels {
             Pixels::Numbers(numbers, mut palette) => {
-                palette.to_srgb(&self.profile, notes);
+                palette.convert(&self.profile, notes);
                 let mut used = [false; 256];
                 for pixel in numbers.pixels() {
                     let [number, _] = pixel.0;

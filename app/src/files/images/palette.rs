@@ -10,7 +10,7 @@ use super::{png, tiff};
 
 /// Colours by number, with alpha; black beyond the last.
 #[derive(Debug, Clone)]
-pub(super) struct Palette([[u8; 4]; 256]);
+pub(super) struct Palette(Box<[[u8; 4]; 256]>);
 
 /// A file with a palette.
 pub(super) struct Indexed {
@@ -57,7 +57,7 @@ impl Packing {
 impl Palette {
     /// Of at most 256 entries.
     pub(super) fn new(entries: impl IntoIterator<Item = [u8; 4]>) -> Self {
-        let mut palette = [[0, 0, 0, 255]; 256];
+        let mut palette = Box::new([[0, 0, 0, 255]; 256]);
         for (place, entry) in palette.iter_mut().zip(entries) {
             *place = entry;
         }
@@ -78,7 +78,7 @@ impl Palette {
     }
 
     /// Converts the entries to sRGB.
-    pub(super) fn to_srgb(&mut self, profile: &Profile, notes: &mut Vec<String>) {
+    pub(super) fn convert(&mut self, profile: &Profile, notes: &mut Vec<String>) {
         let entries = RgbaImage::from_fn(256, 1, |x, _| Rgba(self.0[x as usize]));
         let entries = profile.to_srgb(entries.into(), notes).into_rgba8();
         for (place, entry) in self.0.iter_mut().zip(entries.pixels()) {

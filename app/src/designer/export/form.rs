@@ -2,13 +2,13 @@
 
 use std::time::Duration;
 
-use egui::{ComboBox, DragValue, Grid, Ui};
+use egui::{ComboBox, Grid, Ui};
 use renderer_core::design::{Design, Method, Quality};
 use renderer_core::render::MAX_SIDE;
 
 use crate::backend::BackendChoice;
 use crate::designer::shell::view_bar::{BACKENDS, backend_name};
-use crate::designer::widgets::check_box;
+use crate::designer::widgets::{NumberField, check_box};
 use crate::picture_file::{BAND_BYTES, Bands};
 
 /// Kinds of files.
@@ -212,12 +212,9 @@ impl Form {
                 if axis == 1 {
                     ui.label("×");
                 }
-                let side = DragValue::new(&mut self.size[axis])
-                    .range(1..=MAX_SIDE)
-                    // Digits that are being typed are no size yet.
-                    .update_while_editing(false)
-                    .speed(4.0);
-                ui.add(side)
+                let side = NumberField::new(&mut self.size[axis], "px", 1..=MAX_SIDE);
+                side.speed(4.0)
+                    .show(ui)
                     .accessible_name(name)
                     .on_hover_text(format!("Pixels, 1 to {MAX_SIDE}."));
             }
@@ -272,14 +269,10 @@ impl Form {
                 ui.label("×");
             }
             let mut mm = in_mm[axis];
-            let field = DragValue::new(&mut mm)
-                .range(1.0..=f64::from(MAX_SIDE))
-                // A picture of few pixels is less than a millimetre on paper, and stays as it is.
-                .clamp_existing_to_range(false)
+            // A picture of few pixels is less than a millimetre on paper, and stays as it is.
+            let field = NumberField::new(&mut mm, "mm", 1.0..=f64::from(MAX_SIDE))
                 .max_decimals(1)
-                .update_while_editing(false);
-            let field = ui
-                .add(field)
+                .show(ui)
                 .accessible_name(name)
                 .on_hover_text("Size on paper, mm: changes the number of pixels.");
             if field.changed() && mm != in_mm[axis] {
@@ -289,12 +282,9 @@ impl Form {
         }
         ui.weak("mm at");
         let mut dots = self.dots_per_inch;
-        let field = DragValue::new(&mut dots)
-            .range(10.0..=2400.0)
+        let field = NumberField::new(&mut dots, "dpi", 10.0..=2400.0)
             .max_decimals(0)
-            .update_while_editing(false);
-        let field = ui
-            .add(field)
+            .show(ui)
             .accessible_name("Print resolution")
             .on_hover_text(
                 "Pixels an inch on paper: changes the number of pixels, keeps the size on paper.",
@@ -313,10 +303,8 @@ impl Form {
         );
         let field = Quality::FIELDS.samples;
         ui.horizontal(|ui| {
-            let samples = DragValue::new(&mut self.samples)
-                .range(field.min..=field.max)
-                .speed(1.0);
-            ui.add(samples)
+            NumberField::new(&mut self.samples, "samples", field.min..=field.max)
+                .show(ui)
                 .accessible_name("Export samples")
                 .on_hover_text(field.what.trim());
             ui.weak("samples a pixel");
@@ -392,12 +380,10 @@ fn optional(ui: &mut Ui, value: &mut Option<f64>, quantity: Quantity) {
         }
         if let Some(value) = value {
             let mut shown = *value * quantity.scale;
-            let field = DragValue::new(&mut shown)
-                .range(quantity.range)
+            let field = NumberField::new(&mut shown, quantity.unit, quantity.range)
                 .speed(0.05)
-                .max_decimals(2);
-            let field = ui
-                .add(field)
+                .max_decimals(2)
+                .show(ui)
                 .accessible_name(format!("Export {}", quantity.name))
                 .on_hover_text(quantity.what);
             if field.changed() {

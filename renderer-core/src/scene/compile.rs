@@ -97,14 +97,20 @@ pub fn warnings(design: &Design, scene: &Scene) -> Vec<Warning> {
     warnings_of_loops(design, &scene.sheet, scene.loops.counts)
 }
 
-fn warnings_of_loops(design: &Design, sheet: &SheetGeometry, counts: LoopCounts) -> Vec<Warning> {
+/// What is known without making anything.
+pub(super) fn warnings_of_design(design: &Design) -> Vec<Warning> {
     let mut warnings = design.warnings();
     warnings.extend(costs(design));
+    warnings.extend(ChartYarns::default().warning(design));
+    warnings
+}
+
+fn warnings_of_loops(design: &Design, sheet: &SheetGeometry, counts: LoopCounts) -> Vec<Warning> {
+    let mut warnings = warnings_of_design(design);
     if counts.planted == 0 {
         let text = "no loops: the pattern, the chart and the loop length leave none";
         warnings.push(Warning::new("weave.pattern", text));
     }
-    warnings.extend(ChartYarns::default().warning(design));
     let turbulence = &design.turbulence;
     let pitch_mm = sheet.pitch_x_mm.max(sheet.pitch_y_mm);
     let waves = turbulence.filter_radius * pitch_mm * turbulence.frequency;
@@ -408,6 +414,21 @@ impl Compiler {
         let warnings = warnings_of_loops(whole, &shape.sheet, shape.loops.counts);
         self.loops = Some((shape.loops_inputs, shape.loops));
         Ok(warnings)
+    }
+
+    /// How long the lists of loops in cells are, all together.
+    ///
+    /// # Errors
+    /// As [`Self::compile_unless_cancelled`].
+    pub(super) fn entries(
+        &mut self,
+        whole: &Design,
+        region: LodRegion,
+        cancel: &Cancel<'_>,
+    ) -> Result<usize, CompileError> {
+        check(whole, Some(region))?;
+        let shape = self.shape(&region.design(whole), Some(region), None, cancel)?;
+        Ok(shape.loops.entries.len())
     }
 
     /// Where loops and cloth are: whatever of a scene can be refused. Before all else, since the rest may take minutes.

@@ -51,11 +51,11 @@ pub fn costs(design: &Design) -> Vec<Warning> {
     let per_voxel: f64 = yarns.iter().map(|(kind, _)| seconds_per_voxel(*kind)).sum();
     let kinds = match yarns.len() {
         1 => String::new(),
-        count => format!(", for each of {count} kinds of yarn"),
+        count => format!(" for each of {count} kinds of yarn"),
     };
     tell(
         "pile.variants",
-        format!("{variants} variants of {layers} layers of {side} × {side} voxels{kinds},"),
+        format!("{variants} variants of {layers} layers of {side} × {side} voxels{kinds}"),
         voxels * per_voxel,
         voxels * yarns.len() as f64 * BYTES_PER_VOXEL,
     );

@@ -5,8 +5,10 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::{Level, LevelRows, Levels, LodBudget, LodPlan, LodRegion, LodSelector};
-use crate::design::{Design, Warning};
+use crate::design::{Back, Design, LengthMap, Pattern, Warning};
 use crate::geometry::Camera;
+use crate::scene::compile::warnings_of_design;
+use crate::scene::grid::MAX_ENTRIES;
 use crate::scene::{Cancel, CompileError, CompileReport, Compiler, LoopCounts, Scene};
 
 /// The cloth as one camera sees it, level by level.
@@ -119,7 +121,8 @@ impl LodCompiler {
     }
 
     /// Finds out whether what a plan names of a design can be made, and what is to be known of it, as
-    /// [`Compiler::check`] does.
+    /// [`Compiler::check`] does. Of regions only those are made that might be refused; of the others it is known by a
+    /// part.
     ///
     /// # Errors
     /// As [`Compiler::compile_unless_cancelled`].
@@ -129,19 +132,15 @@ impl LodCompiler {
         plan: &LodPlan,
         cancel: &Cancel<'_>,
     ) -> Result<Vec<Warning>, CompileError> {
-        let Some((first, others)) = plan.regions.split_first() else {
+        if plan.regions.is_empty() {
             return self.whole.check(design, None, cancel);
-        };
-        let mut check = |region: &LodRegion| {
-            let compiler = self.by_lod.entry(region.lod);
-            let compiler = compiler.or_insert_with(|| self.whole.fresh());
-            compiler.check(design, Some(*region), cancel)
-        };
-        let warnings = check(first)?;
-        for region in others {
-            check(region)?;
         }
-        Ok(warnings)
+        for region in &plan.regions {
+            if !has_short_lists(design, region, cancel)? {
+                self.whole.fresh().check(design, Some(*region), cancel)?;
+            }
+        }
+        Ok(warnings_of_design(design))
     }
 
     fn compile_region(
@@ -158,6 +157,36 @@ impl LodCompiler {
         let made = compiler.compile_region(design, region, cancel);
         whole.share_volumes(compiler);
         made
+    }
+}
+
+/// Whether the lists of a region are far from being too long, whatever its chart and its weave: told by a part of it
+/// where loops stand on both faces of all crossings and are as long as any.
+fn has_short_lists(
+    design: &Design,
+    region: &LodRegion,
+    cancel: &Cancel<'_>,
+) -> Result<bool, CompileError> {
+    /// Sides of the part, cells: its border counts little.
+    const SIDE: u32 = 256;
+    /// How many times longer they might be than the part tells: loops lean and stretch from place to place.
+    const UNLIKE: u64 = 4;
+    let part = LodRegion {
+        cells: region.cells.map(|cells| cells.min(SIDE)),
+        ..*region
+    };
+    let mut dense = design.clone();
+    (dense.length.value, dense.length.map) = (design.length.longest(), LengthMap::Constant);
+    (dense.chart.image, dense.chart.pixels) = (None, None);
+    dense.weave.pattern = Pattern::filled(1, 1, 9);
+    dense.weave.back = Back::Pattern;
+    match Compiler::default().entries(&dense, part, cancel) {
+        Ok(entries) => {
+            let times = region.len().div_ceil(part.len());
+            Ok(entries as u64 * times * UNLIKE < MAX_ENTRIES)
+        }
+        Err(CompileError::Cancelled) => Err(CompileError::Cancelled),
+        Err(_) => Ok(false),
     }
 }
 

@@ -64,7 +64,7 @@ fn the_character_map_of_a_font_is_read_as_the_window_reads_it() {
             });
         });
         assert!(
-            counts[1] > 100 && counts[0] < counts[1] + 40,
+            counts[1] >= 5 && counts[0] < counts[1] + 40,
             "{name}: {counts:?}"
         );
     }

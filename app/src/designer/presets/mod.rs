@@ -236,7 +236,7 @@ impl Presets {
                     .frame_when_inactive(chosen)
                     .min_size(vec2(width, PICTURE[1] + 6.0))
                     .right_text("")
-                    .truncate();
+                    .wrap();
                 let button = ui
                     .allocate_ui(vec2(width, PICTURE[1] + 6.0), |ui| ui.add(button))
                     .inner

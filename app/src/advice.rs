@@ -4,6 +4,8 @@
 use renderer_core::render::{BackendKind, RenderError};
 use renderer_core::scene::CompileError;
 
+use crate::files::FileError;
+
 /// Where advice is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
@@ -49,6 +51,16 @@ pub fn with_advice_on_cloth(error: &CompileError) -> String {
             format!("{error}; shorter or wider-set pile helps, and so do fewer warps and wefts")
         }
         CompileError::Invalid(_) | CompileError::Cancelled => error.to_string(),
+    }
+}
+
+/// As [`with_advice`], of a file at the command line.
+pub fn with_advice_on_file(error: &FileError) -> String {
+    match error {
+        FileError::Outside { .. } => format!(
+            "{error}; if the file is from somebody you trust, use --allow-outside-images, or open it in the window once"
+        ),
+        _ => error.to_string(),
     }
 }
 

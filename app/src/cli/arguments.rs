@@ -69,3 +69,10 @@ fn within(text: &str, unit: &str, most: f64, allowed: &str) -> Result<f64, Strin
         Err(format!("allowed is {allowed}"))
     }
 }
+
+/// Pixels an inch.
+pub fn dots_per_inch(text: &str) -> Result<f64, String> {
+    let dots = text.parse().ok();
+    dots.filter(|dots| (1.0..=100_000.0).contains(dots))
+        .ok_or_else(|| "allowed is a number of pixels an inch, 1 to 100000".into())
+}

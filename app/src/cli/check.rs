@@ -10,8 +10,8 @@ use renderer_core::scene::lod::{LodBudget, LodCompiler, LodPlan};
 use renderer_core::scene::{Cancel, CompileError};
 
 use super::arguments::{self, BadArgument};
-use crate::advice::with_advice_on_cloth;
-use crate::files::open_design;
+use super::read_design;
+use crate::advice::{with_advice_on_cloth, with_advice_on_file};
 
 /// Arguments of `check`.
 #[derive(Debug, clap::Args)]
@@ -19,6 +19,9 @@ pub struct CheckArguments {
     /// Presets, bundles, or pictures that carry their design.
     #[arg(required = true)]
     files: Vec<PathBuf>,
+    /// Open images that presets name outside their own folders.
+    #[arg(long)]
+    allow_outside_images: bool,
 }
 
 /// Prints a line for each sound preset, and every fault of the others to stderr.
@@ -27,7 +30,7 @@ pub fn run(arguments: &CheckArguments) -> anyhow::Result<()> {
     let size = arguments::size(arguments::DEFAULT_SIZE).map_err(BadArgument)?;
     let mut faulty = 0;
     for file in &arguments.files {
-        match open_design(file) {
+        match read_design(file, &[], arguments.allow_outside_images) {
             Ok(opened) => {
                 for warning in &opened.warnings {
                     eprintln!("warning: {warning}");
@@ -46,7 +49,7 @@ pub fn run(arguments: &CheckArguments) -> anyhow::Result<()> {
                 }
             }
             Err(error) => {
-                eprintln!("{error}");
+                eprintln!("{}", with_advice_on_file(&error));
                 faulty += 1;
             }
         }

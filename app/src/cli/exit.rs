@@ -10,7 +10,7 @@ use tracing_subscriber::layer::SubscriberExt as _;
 use tracing_subscriber::util::SubscriberInitExt as _;
 
 use super::arguments::BadArgument;
-use crate::advice::{Place, with_advice, with_advice_on_cloth};
+use crate::advice::{Place, with_advice, with_advice_on_cloth, with_advice_on_file};
 use crate::files::FileError;
 
 /// Runs a program; its error goes to stderr. Exit codes: 0 done, 1 failed, 2 bad arguments or preset.
@@ -45,10 +45,12 @@ fn start_log() {
 pub fn message(error: &anyhow::Error) -> String {
     let render = error.chain().find_map(|cause| cause.downcast_ref());
     let cloth = error.chain().find_map(|cause| cause.downcast_ref());
-    match (render, cloth) {
-        (Some(error), _) => with_advice(error, Place::CommandLine),
-        (None, Some(error)) => with_advice_on_cloth(error),
-        (None, None) => error.to_string(),
+    let file = error.chain().find_map(|cause| cause.downcast_ref());
+    match (render, cloth, file) {
+        (Some(error), ..) => with_advice(error, Place::CommandLine),
+        (None, Some(error), _) => with_advice_on_cloth(error),
+        (None, None, Some(error)) => with_advice_on_file(error),
+        (None, None, None) => error.to_string(),
     }
 }
 

@@ -19,6 +19,8 @@ use clap::{CommandFactory, Parser, Subcommand};
 
 use self::arguments::BadArgument;
 use crate::backend::BackendChoice;
+use crate::designer::Folders;
+use crate::files::{self, FileError, KnownOutside, Opened, Outside, Reading};
 
 pub use stats::scene_bytes;
 
@@ -83,6 +85,19 @@ fn run() -> anyhow::Result<()> {
             crate::designer::run(preset, arguments.backend)
         }
     }
+}
+
+/// Reads a design for a command: images outside the folder of its file only where the user has `allowed` them, or where
+/// the file is known, because they have saved it or opened it in the window.
+fn read_design(path: &Path, sets: &[(String, String)], allowed: bool) -> Result<Opened, FileError> {
+    let folders = Folders::of_user();
+    let known = folders.map(|folders| KnownOutside::load(&folders.config));
+    let known = known.unwrap_or_default();
+    let outside = match allowed {
+        true => Outside::Open,
+        false => Outside::Known(&known),
+    };
+    files::read_design(path, Reading { sets, outside })
 }
 
 /// Refuses a first argument that is no option, no command, and nothing that can be opened.

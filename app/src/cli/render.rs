@@ -4,6 +4,7 @@
 //! the output. The picture is written last and at once, so that Ctrl-C leaves nothing behind.
 
 use std::ffi::OsStr;
+use std::iter;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
@@ -17,9 +18,10 @@ use renderer_core::scene::lod::{LodBudget, LodCloth, LodCompiler, LodPlan};
 use renderer_core::scene::{self, Cancel, CompileError, Compiler};
 
 use super::arguments::{self, BadArgument};
+use super::read_design;
 use super::stats::{Seconds, Stats};
 use crate::backend::{self, BackendChoice};
-use crate::files::{self, Opened};
+use crate::files::{self, Opened, Origin, UsedFile, stem_of};
 use crate::picture_file::{self, BAND_BYTES, Failure, Format, Made, PictureOrder, Standing};
 
 /// Arguments of `render`.
@@ -74,6 +76,15 @@ pub struct RenderArguments {
     /// Leave the background out: alpha says how much of a pixel is cloth.
     #[arg(long)]
     transparent: bool,
+    /// Pixels an inch on paper, which the file is to say; without, it has no size on paper.
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = arguments::dots_per_inch)]
+    dpi: Option<f64>,
+    /// Leave the design out of a .png, which else carries it and opens again.
+    #[arg(long)]
+    no_design: bool,
+    /// Open images that the preset names outside its own folder.
+    #[arg(long)]
+    allow_outside_images: bool,
     /// Most memory for the sums of the picture, in MB; larger pictures are made in bands, with the same result.
     #[arg(long, value_name = "MB", default_value_t = BAND_BYTES >> 20)]
     #[arg(value_parser = clap::value_parser!(u64).range(1..=1 << 20))]
@@ -108,6 +119,16 @@ fn samples_range() -> std::ops::RangeInclusive<i64> {
 fn bounces_range() -> std::ops::RangeInclusive<i64> {
     let field = Quality::FIELDS.bounces;
     field.min as i64..=field.max as i64
+}
+
+impl RenderArguments {
+    /// The files to write.
+    fn outputs(&self) -> Vec<UsedFile> {
+        let picture = UsedFile::new(&self.output, "the picture (-o)");
+        let stats = self.stats.iter();
+        let stats = stats.map(|stats| UsedFile::new(stats, "the file of --stats"));
+        iter::once(picture).chain(stats).collect()
+    }
 }
 
 /// Renders and writes.
@@ -152,11 +173,16 @@ impl<'a> Asked<'a> {
     /// Reads the preset, and makes sure that the outputs can be written.
     fn check(arguments: &'a RenderArguments) -> anyhow::Result<Self> {
         let format = format(arguments)?;
-        let opened = files::open_design_with(&arguments.preset, &arguments.set)?;
+        let opened = read_design(
+            &arguments.preset,
+            &arguments.set,
+            arguments.allow_outside_images,
+        )?;
         let camera = camera(&opened.design, arguments)?;
-        files::check_writable(&arguments.output)?;
-        if let Some(stats) = &arguments.stats {
-            files::check_writable(stats)?;
+        let outputs = arguments.outputs();
+        files::check_apart(&opened.read, &outputs)?;
+        for output in &outputs {
+            files::check_writable(&output.path)?;
         }
         Ok(Self {
             arguments,
@@ -179,6 +205,16 @@ impl<'a> Asked<'a> {
         maker.make(design, plan, &Cancel::never())
     }
 
+    /// What the picture shows: the design's name, which one that was read from a picture has from there.
+    fn title(&self) -> String {
+        let preset = &self.arguments.preset;
+        let of_picture = match self.opened.origin {
+            Origin::Picture => files::picture_title(preset),
+            Origin::Preset | Origin::Bundle | Origin::Program => None,
+        };
+        of_picture.unwrap_or_else(|| stem_of(preset))
+    }
+
     /// Prints what is to be said of the preset and its cloth.
     fn warn(&self, of_cloth: &[Warning]) {
         let of_files = self.opened.warnings.iter().map(String::as_str);
@@ -198,9 +234,10 @@ impl<'a> Asked<'a> {
             crop: arguments.crop.unwrap_or([0, 0, width, height]),
             settings: settings(design, arguments, &self.format),
             time: arguments.time.map(Duration::from_secs_f64),
+            about: picture_file::about(&self.title(), arguments.dpi),
             chunks: match self.format {
-                Format::Png(_) => design_chunks(&self.opened, arguments)?,
-                Format::Exr(_) => Vec::new(),
+                Format::Png(_) if !arguments.no_design => design_chunks(&self.opened, arguments)?,
+                Format::Png(_) | Format::Exr(_) => Vec::new(),
             },
             format: self.format.clone(),
             display: Display::from(&design.view),

@@ -14,6 +14,7 @@ use super::image_paths::same_form;
 use super::image_words::words;
 use super::images::{decode_image, encode_image};
 use super::input::{Input, open_file};
+use super::strip::stripped;
 use super::zip::{self, Archive};
 use super::{Carried, FileError, LARGEST_PRESET, write_atomically};
 
@@ -36,7 +37,7 @@ pub fn is_bundle(path: &Path) -> bool {
 pub(super) struct Packed {
     text: String,
     images: Carried,
-    /// Paths of images that were too large and are named by their files.
+    /// Images that were too large.
     pub left_out: Vec<LeftOut>,
 }
 
@@ -44,8 +45,8 @@ pub(super) struct Packed {
 pub(super) struct LeftOut {
     /// Which.
     pub slot: ImageSlot,
-    /// The file that has it; without, it is nowhere else.
-    pub file: Option<String>,
+    /// The name by which the preset goes on naming it: never a path, which would tell of the machine.
+    pub name: String,
     /// Its size, bytes.
     pub size: usize,
 }
@@ -83,9 +84,12 @@ impl Packer {
             left_out: Vec::new(),
         };
         for slot in ImageSlot::ALL {
-            if let Some((image, found)) = self.image(slot, &design, carried, folder)? {
-                let name = packed.take(slot, image, &found, most);
+            if let Some(image) = self.image(slot, &design, carried, folder)? {
+                let name = packed.take(slot, image, most);
                 *slot.path_mut(&mut design) = Some(name);
+            } else {
+                // A path to an image that the design does not have.
+                *slot.path_mut(&mut design) = None;
             }
         }
         packed.text = preset::write(&design).map_err(|error| error.to_string())?;
@@ -100,7 +104,7 @@ impl Packer {
         design: &Design,
         carried: &Carried,
         folder: &Path,
-    ) -> Result<Option<(Image, Found)>, String> {
+    ) -> Result<Option<Image>, String> {
         let Some(pixels) = slot.pixels(design) else {
             return Ok(None);
         };
@@ -111,16 +115,14 @@ impl Packer {
             _ => found.image(slot, &pixels)?,
         };
         *last = Some((pixels, image.clone()));
-        Ok(Some((image, found)))
+        Ok(Some(image))
     }
 }
 
 /// What there is of an image outside memory.
-pub(super) struct Found {
+struct Found {
     name: String,
     bytes: Option<Arc<[u8]>>,
-    /// The file, if it is one that others can open too.
-    pub file: Option<String>,
 }
 
 impl Found {
@@ -129,7 +131,6 @@ impl Found {
             return Self {
                 name: String::new(),
                 bytes: None,
-                file: None,
             };
         };
         let name = file_name(path).to_owned();
@@ -137,7 +138,6 @@ impl Found {
             return Self {
                 name,
                 bytes: Some(Arc::clone(bytes)),
-                file: None,
             };
         }
         let file = folder.join(path);
@@ -150,20 +150,20 @@ impl Found {
         };
         Self {
             name,
-            file: bytes.is_some().then(|| file.to_string_lossy().into_owned()),
             bytes: bytes.map(Arc::from),
         }
     }
 
-    /// Its file if that has the right pixels, or else one made of them.
+    /// Its file, without what that says beside the pixels, if it has the right pixels, or else one made of them.
     fn image(&self, slot: ImageSlot, pixels: &ImagePixels) -> Result<Image, String> {
-        let is_same = |bytes: &&Arc<[u8]>| {
+        let is_same = |bytes: &Vec<u8>| {
             decode_image(slot, bytes).is_ok_and(|decoded| decoded.pixels == *pixels)
         };
-        if let Some(bytes) = self.bytes.as_ref().filter(is_same) {
+        let bytes = self.bytes.as_deref().map(stripped);
+        if let Some(bytes) = bytes.filter(is_same) {
             return Ok(Image {
                 name: self.name.clone(),
-                bytes: Arc::clone(bytes),
+                bytes: bytes.into(),
             });
         }
         let stem = Path::new(&self.name).file_stem();
@@ -178,30 +178,27 @@ impl Found {
 
 impl Packed {
     /// Takes an image along, if it is not too large. Returns how the preset names it.
-    fn take(
-        &mut self,
-        slot: ImageSlot,
-        image: Image,
-        found: &Found,
-        most: Option<usize>,
-    ) -> String {
-        if most.is_some_and(|most| image.bytes.len() > most) {
-            // A file with other pixels is not this image.
-            let is_file = found.bytes.as_ref() == Some(&image.bytes);
-            let file = found.file.clone().filter(|_| is_file);
-            self.left_out.push(LeftOut {
-                slot,
-                file: file.clone(),
-                size: image.bytes.len(),
-            });
-            return file.unwrap_or(image.name);
-        }
+    fn take(&mut self, slot: ImageSlot, image: Image, most: Option<usize>) -> String {
         let mut name = image.name;
-        while self.images.get(&name).is_some() || name == PRESET {
+        while self.is_taken(&name) {
             name = format!("{}-{name}", words(slot).file_stem);
         }
-        self.images.insert(&name, image.bytes);
+        let size = image.bytes.len();
+        if most.is_some_and(|most| size > most) {
+            let name = name.clone();
+            self.left_out.push(LeftOut { slot, name, size });
+        } else {
+            self.images.insert(&name, image.bytes);
+        }
         name
+    }
+
+    /// Whether something else has the name.
+    fn is_taken(&self, name: &str) -> bool {
+        let mut left_out = self.left_out.iter();
+        name == PRESET
+            || self.images.get(name).is_some()
+            || left_out.any(|left_out| left_out.name == name)
     }
 
     /// The bundle.

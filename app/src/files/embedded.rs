@@ -2,12 +2,13 @@
 //!
 //! The chunk is named `toWl`: ancillary (others may skip it), private, and safe to copy (a program that changes the
 //! picture may keep it: the design stays the one that the picture was made from). Its data is a bundle as `bundle`
-//! writes it. Images of more than 4 MB are left in their files, which the preset names by their whole paths.
+//! writes it. Images of more than 4 MB are left out, with a warning; nothing tells where on the machine they were.
 
 use std::io::{self, BufReader, Read, Seek};
 use std::path::Path;
 
 use renderer_core::design::Design;
+use renderer_core::image::png_text;
 
 use super::bundle::{LeftOut, Packer, Unpacked, unpack};
 use super::image_words::words;
@@ -53,20 +54,14 @@ pub fn embedded(design: &Design, carried: &Carried, folder: &Path) -> Result<Emb
 
 impl LeftOut {
     fn warning(&self) -> String {
-        let Self { slot, file, size } = self;
+        let Self { slot, name, size } = self;
         let what = words(*slot).name;
         let size = *size as f64 / f64::from(1 << 20);
         let most = LARGEST_IMAGE >> 20;
-        match file {
-            Some(file) => format!(
-                "the {what} has {size:.1} MB, more than the {most} MB that a picture takes along: the design in the \
-                 picture opens with it only where there is {file}"
-            ),
-            None => format!(
-                "the {what} has {size:.1} MB, more than the {most} MB that a picture takes along: the design in the \
-                 picture will open without it; save a bundle to keep it"
-            ),
-        }
+        format!(
+            "the {what} has {size:.1} MB, more than the {most} MB that a picture takes along: the design in the \
+             picture will open without it ({name}); save a bundle to keep it"
+        )
     }
 }
 
@@ -75,6 +70,11 @@ pub fn carries_design(path: &Path) -> bool {
     let file = open_file(path);
     file.and_then(|file| find_chunk(&mut BufReader::new(file)))
         .is_ok_and(|chunk| chunk.is_some())
+}
+
+/// What a picture says that it shows; `None` if it does not say, or is no picture.
+pub fn picture_title(path: &Path) -> Option<String> {
+    png_text(BufReader::new(open_file(path).ok()?), "Title")
 }
 
 /// Reads the design that a PNG carries.

@@ -7,7 +7,8 @@ use renderer_core::design::{ImageSlot, preset};
 use super::bundle::{LARGEST_IMAGE, is_bundle, read_bundle};
 use super::image_paths::found_as;
 use super::input::read_file;
-use super::{Carried, LARGEST_PRESET, Shipped};
+use super::outside::is_outside;
+use super::{Carried, KnownOutside, LARGEST_PRESET, Outside, Shipped};
 
 /// What is to be said of a preset before it is opened.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -19,8 +20,9 @@ pub struct Outline {
 }
 
 impl Outline {
-    /// Of a preset or bundle; empty for what cannot be read, and for what is no file.
-    pub fn of_file(path: &Path) -> Self {
+    /// Of a preset or bundle; empty for what cannot be read, and for what is no file. Of images outside the preset's
+    /// folder those that are `known` count.
+    pub fn of_file(path: &Path, known: &KnownOutside) -> Self {
         if is_bundle(path) {
             let Ok(unpacked) = read_bundle(path) else {
                 return Self::default();
@@ -34,7 +36,11 @@ impl Outline {
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut images = Carried::default();
         let design = preset::parse(&text).unwrap_or_default();
+        let outside = Outside::Known(known);
         for name in ImageSlot::ALL.iter().filter_map(|slot| slot.path(&design)) {
+            if is_outside(folder, name) && !outside.opens(path, name) {
+                continue;
+            }
             let file = found_as(folder, name).map(|file| folder.join(file));
             if let Some(Ok(bytes)) = file.map(|file| read_file(&file, LARGEST_IMAGE as u64)) {
                 images.insert(name, bytes);

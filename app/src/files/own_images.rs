@@ -13,11 +13,12 @@ use renderer_core::design::{ChartImage, Design, ImagePixels, ImageSlot};
 use renderer_core::image::{encode_chart_png, png_text};
 
 use super::image_words::words;
+use super::paths::{name_of_parts, stem_of};
 use super::write::{write_error, write_together};
-use super::{FileError, write_atomically};
+use super::{FileError, UsedFile, write_atomically};
 
 /// Most names that are tried for a new file.
-const MOST_NAMES: usize = 1000;
+pub(super) const MOST_NAMES: usize = 1000;
 
 /// The PNGs that belong to a preset.
 #[derive(Debug, Clone, Default)]
@@ -101,6 +102,16 @@ impl OwnImages {
         )
     }
 
+    /// Their files, and what they are.
+    pub fn files(&self) -> Vec<UsedFile> {
+        let own = self.0.iter();
+        own.map(|own| {
+            let what = format!("the {} of the design", words(own.slot).name);
+            UsedFile::new(&own.path, what)
+        })
+        .collect()
+    }
+
     /// Makes those images of a design that is to be written to `preset` ready that were painted here.
     ///
     /// # Errors
@@ -178,13 +189,14 @@ impl OwnImage {
 /// A name beside `preset` that is free or belongs to it: `NAME-chart.png`, `NAME-chart-2.png` and so on. What the
 /// preset's image was written to before is only used again if nobody else has written there since.
 fn free_name(slot: ImageSlot, preset: &Path, known: Option<&OwnImage>) -> Option<PathBuf> {
-    let stem = preset.file_stem().unwrap_or_default().to_string_lossy();
+    let stem = stem_of(preset);
     let ending = words(slot).file_stem;
     (1..=MOST_NAMES)
         .map(|k| match k {
-            1 => preset.with_file_name(format!("{stem}-{ending}.png")),
-            k => preset.with_file_name(format!("{stem}-{ending}-{k}.png")),
+            1 => format!("-{ending}.png"),
+            k => format!("-{ending}-{k}.png"),
         })
+        .map(|end| preset.with_file_name(name_of_parts(&stem, &end)))
         .find(|path| {
             if fs::symlink_metadata(path).is_err() {
                 return true;

@@ -13,8 +13,10 @@ use super::image_paths::{explanation, found_as, same_form};
 use super::image_words::words;
 use super::images::{LoadedImage, decode_image, load_image};
 use super::input::{Content, Input};
-use super::own_images::OwnImages;
-use super::{Carried, FileError, LARGEST_PRESET, write_atomically};
+use super::outside::{Outside, OutsideImage, is_outside};
+use super::own_images::{MOST_NAMES, OwnImages};
+use super::paths::name_of_parts;
+use super::{Carried, FileError, LARGEST_PRESET, UsedFile, write_atomically, write_error};
 
 /// What a design was read from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,9 +42,25 @@ pub struct Opened {
     pub origin: Origin,
     /// What could not be read but can be done without, as sentences.
     pub warnings: Vec<String>,
+    /// The files that it was read from: itself and its images.
+    pub read: Vec<UsedFile>,
+    /// Images outside the folder of its file that were opened.
+    pub outside: Vec<OutsideImage>,
+    /// Images outside the folder of its file that were not to be opened.
+    pub left_out: Vec<OutsideImage>,
 }
 
-/// Reads a preset, a bundle or a picture that carries its design, with the images it names.
+/// How a design is read.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Reading<'a> {
+    /// Fields set to other values before images are read: paths and values as on the command line.
+    pub sets: &'a [(String, String)],
+    /// What to do with images outside the folder of the file.
+    pub outside: Outside<'a>,
+}
+
+/// Reads a preset, a bundle or a picture that carries its design, with the images it names, wherever they are: for
+/// files that are known. Of a file that may be anybody's, [`read_design`] opens no more than it may.
 ///
 /// # Errors
 /// When any of them cannot be read or has faults; all faults of the preset are in the error.
@@ -67,13 +85,19 @@ pub fn open_design(path: &Path) -> Result<Opened, FileError> {
     open_design_with(path, &[])
 }
 
-/// As [`open_design`], for editing: images that were painted here are the design's own again, without a path. Also what
+/// As [`read_design`], for editing: images that were painted here are the design's own again, without a path. Also what
 /// is known of their files, for [`save_edited`].
 ///
 /// # Errors
-/// As [`load_design`].
-pub fn open_to_edit(path: &Path) -> Result<(Opened, OwnImages), FileError> {
-    let mut opened = open_design(path)?;
+/// As [`read_design`].
+pub fn open_to_edit(path: &Path, outside: Outside<'_>) -> Result<(Opened, OwnImages), FileError> {
+    let mut opened = read_design(
+        path,
+        Reading {
+            outside,
+            ..Reading::default()
+        },
+    )?;
     let own = match opened.origin {
         Origin::Preset => OwnImages::take(&mut opened.design, path),
         Origin::Bundle | Origin::Picture | Origin::Program => OwnImages::default(),
@@ -86,6 +110,21 @@ pub fn open_to_edit(path: &Path) -> Result<(Opened, OwnImages), FileError> {
 /// # Errors
 /// As [`load_design_with`].
 pub fn open_design_with(path: &Path, sets: &[(String, String)]) -> Result<Opened, FileError> {
+    read_design(
+        path,
+        Reading {
+            sets,
+            ..Reading::default()
+        },
+    )
+}
+
+/// Reads a preset, a bundle or a picture that carries its design, with those of its images that it may open.
+///
+/// # Errors
+/// When any of them cannot be read or has faults (all faults of the preset are in the error), when a field cannot be
+/// set, and when the file names images that it may not open.
+pub fn read_design(path: &Path, reading: Reading<'_>) -> Result<Opened, FileError> {
     let failed = |source| FileError::Read {
         path: path.to_owned(),
         source,
@@ -94,13 +133,13 @@ pub fn open_design_with(path: &Path, sets: &[(String, String)]) -> Result<Opened
     let content = input.content().map_err(failed)?;
     if content == Content::Png {
         let unpacked = read_embedded(path, &mut input)?;
-        Source::new(path, Origin::Picture, unpacked.carried).open(&unpacked.text, sets)
+        Source::new(path, Origin::Picture, unpacked.carried).open(&unpacked.text, reading)
     } else if content == Content::Zip || is_bundle(path) {
         let unpacked = unpack_input(path, &mut input)?;
-        Source::new(path, Origin::Bundle, unpacked.carried).open(&unpacked.text, sets)
+        Source::new(path, Origin::Bundle, unpacked.carried).open(&unpacked.text, reading)
     } else {
         let text = read_preset(path, &mut input)?;
-        Source::new(path, Origin::Preset, Carried::default()).open(&text, sets)
+        Source::new(path, Origin::Preset, Carried::default()).open(&text, reading)
     }
 }
 
@@ -121,7 +160,8 @@ impl<'a> Source<'a> {
     }
 
     /// Reads the text and the images it names.
-    pub(super) fn open(self, text: &str, sets: &[(String, String)]) -> Result<Opened, FileError> {
+    pub(super) fn open(self, text: &str, reading: Reading<'_>) -> Result<Opened, FileError> {
+        let Reading { sets, outside } = reading;
         let (mut design, mut warnings) = self.parse(text)?;
         for (field, value) in sets {
             design = preset::set(&design, field, value)?;
@@ -131,17 +171,36 @@ impl<'a> Source<'a> {
             return Err(FileError::Together { path, fault });
         }
         let mut faults = Vec::new();
+        let (mut opened_outside, mut left_out) = (Vec::new(), Vec::new());
+        let mut read = self.own_file();
         for slot in ImageSlot::ALL {
-            self.name_as_found(slot, &mut design);
             // A file that was asked for on the command line is one, and the preset is not to blame for it.
             let is_set = sets.iter().any(|(set, _)| set == slot.field());
+            let folder = self.folder_of_images(is_set);
+            let Some(named) = slot.path(&design) else {
+                continue;
+            };
+            // Before anything is looked for there.
+            let is_file = self.file_of_image(named, folder).is_some();
+            if !is_set && is_file && is_outside(self.folder(), named) {
+                let name = named.to_owned();
+                if !outside.opens(self.path, named) {
+                    left_out.push(OutsideImage { slot, name });
+                    continue;
+                }
+                opened_outside.push(OutsideImage { slot, name });
+            }
+            self.name_as_found(slot, &mut design);
             let Some(image) = slot.path(&design) else {
                 continue;
             };
-            match self.read_image(slot, image, self.folder_of_images(is_set)) {
+            let file = self.file_of_image(image, folder);
+            match self.read_image(slot, image, file.as_deref()) {
                 Ok(loaded) => {
                     slot.set_pixels(&mut design, Some(loaded.pixels));
                     warnings.extend(loaded.warnings);
+                    let what = format!("the {} of the design", words(slot).name);
+                    read.extend(file.map(|file| UsedFile::new(file, what)));
                 }
                 Err(ReadError::File(error)) if is_set => return Err(error),
                 Err(error) if self.origin == Origin::Picture => {
@@ -157,12 +216,39 @@ impl<'a> Source<'a> {
             let path = self.path_of_text();
             return Err(FileError::Preset { path, faults });
         }
+        if !left_out.is_empty() && !matches!(outside, Outside::LeaveOut) {
+            return Err(FileError::Outside {
+                path: self.path.to_owned(),
+                images: left_out,
+            });
+        }
+        for image in &left_out {
+            image.slot.leave_out(&mut design);
+        }
         Ok(Opened {
             design,
             carried: self.carried,
             origin: self.origin,
             warnings,
+            read,
+            outside: opened_outside,
+            left_out,
         })
+    }
+
+    /// The file itself, where it is one.
+    fn own_file(&self) -> Vec<UsedFile> {
+        match self.origin {
+            Origin::Preset | Origin::Bundle | Origin::Picture => {
+                vec![UsedFile::new(self.path, "the file of the design")]
+            }
+            Origin::Program => Vec::new(),
+        }
+    }
+
+    /// The folder that the file is in.
+    fn folder(&self) -> &Path {
+        self.path.parent().unwrap_or(Path::new(""))
     }
 
     /// The design that the text says, without its images, and what of the text means nothing any more.
@@ -188,10 +274,9 @@ impl<'a> Source<'a> {
 
     /// Where paths of images start; `None` where only what is carried counts.
     fn folder_of_images(&self, is_set: bool) -> Option<&Path> {
-        let folder = self.path.parent().unwrap_or(Path::new(""));
         match self.origin {
-            Origin::Preset => Some(folder),
-            _ if is_set => Some(folder),
+            Origin::Preset => Some(self.folder()),
+            _ if is_set => Some(self.folder()),
             Origin::Bundle | Origin::Picture | Origin::Program => None,
         }
     }
@@ -212,15 +297,24 @@ impl<'a> Source<'a> {
         }
     }
 
+    /// The file that an image is to be read from; `None` where it is carried, or nowhere.
+    fn file_of_image(&self, image: &str, folder: Option<&Path>) -> Option<PathBuf> {
+        if let Some(folder) = folder {
+            return Some(folder.join(image));
+        }
+        // What a picture did not take along, earlier programs named by its whole path.
+        let is_whole = self.origin == Origin::Picture && Path::new(image).is_absolute();
+        (is_whole && self.carried.get(image).is_none()).then(|| image.into())
+    }
+
     fn read_image(
         &self,
         slot: ImageSlot,
         image: &str,
-        folder: Option<&Path>,
+        file: Option<&Path>,
     ) -> Result<LoadedImage, ReadError> {
-        if let Some(folder) = folder {
-            let file = folder.join(image);
-            return load_image(slot, &file).map_err(|error| match explanation(image) {
+        if let Some(file) = file {
+            return load_image(slot, file).map_err(|error| match explanation(image) {
                 Some(why) if !file.exists() => ReadError::Carried(format!("{error}; {why}")),
                 _ => ReadError::File(error),
             });
@@ -236,10 +330,6 @@ impl<'a> Source<'a> {
                     .map(|note| format!("{place}: {}", of_image(note)))
                     .collect(),
             });
-        }
-        // What a picture does not take along, it names by its whole path.
-        if self.origin == Origin::Picture && Path::new(image).is_absolute() {
-            return load_image(slot, Path::new(image)).map_err(ReadError::File);
         }
         let what = match self.origin {
             Origin::Bundle => "the bundle does not hold it, and files outside are not read",
@@ -357,7 +447,7 @@ fn save_preset(
             continue;
         }
         let image = packer.image(slot, design, carried, old_folder);
-        if let Some((image, _)) = image.map_err(failed)? {
+        if let Some(image) = image.map_err(failed)? {
             *path = write_beside(to, &image)?;
         }
     }
@@ -374,22 +464,27 @@ fn write_beside(preset: &Path, image: &Image) -> Result<String, FileError> {
     let stem = name.file_stem().unwrap_or(name.as_os_str());
     let stem = stem.to_string_lossy();
     let ending = name.extension().unwrap_or_default().to_string_lossy();
-    let mut number = 1;
-    loop {
+    for number in 1..=MOST_NAMES {
         let name = match number {
-            1 => image.name.clone(),
-            _ => format!("{stem}-{number}.{ending}"),
+            1 => name_of_parts(&stem, &format!(".{ending}")),
+            _ => name_of_parts(&stem, &format!("-{number}.{ending}")),
         };
         let file = preset.with_file_name(&name);
-        match fs::read(&file) {
-            Ok(bytes) if *bytes == *image.bytes => return Ok(name),
+        match fs::symlink_metadata(&file) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 write_atomically(&file, &image.bytes)?;
                 return Ok(name);
             }
-            _ => number += 1,
+            Ok(found) if found.len() == image.bytes.len() as u64 && found.is_file() => {
+                if fs::read(&file).is_ok_and(|bytes| *bytes == *image.bytes) {
+                    return Ok(name);
+                }
+            }
+            _ => {}
         }
     }
+    let what = format!("no name for its image {} is free", image.name);
+    Err(write_error(preset, io::Error::other(what)))
 }
 
 /// The path by which a preset at `preset` names an image (relative to the working directory, or absolute):

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::preset::Source;
+use super::preset::{Reading, Source};
 use super::{Carried, FileError, Opened, Origin};
 
 // `FILES`: name and content of every preset and chart in the folder `presets`, made by build.rs.
@@ -39,7 +39,7 @@ impl Shipped {
     pub fn open(&self) -> Result<Opened, FileError> {
         let path = format!("{}.toml", self.name);
         let source = Source::new(Path::new(&path), Origin::Program, self.images());
-        source.open(self.text, &[])
+        source.open(self.text, Reading::default())
     }
 
     /// The images it names.

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use super::bundle::{BUNDLE_ENDING, Packer, unpack};
 use super::image_words::words;
-use super::preset::Source;
+use super::preset::{Reading, Source};
 use super::zip::Archive;
 use super::{Carried, FileError, Origin, Stamp, write_atomically};
 
@@ -193,7 +193,7 @@ impl RecoveryFile {
             .map_err(|error| broken(format!("is broken: its {ABOUT}: {error}")))?;
         let unpacked = unpack(&bytes).map_err(broken)?;
         let source = Source::new(path, Origin::Bundle, unpacked.carried);
-        let mut opened = source.open(&unpacked.text, &[])?;
+        let mut opened = source.open(&unpacked.text, Reading::default())?;
         for slot in ImageSlot::ALL {
             if about.own_images.iter().any(|field| field == slot.field()) {
                 *slot.path_mut(&mut opened.design) = None;

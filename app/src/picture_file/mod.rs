@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use renderer_core::image::{
-    Background, Depth, Display, ExrLayer, ExrLook, ImageError, Picture, PngLook, metrics,
+    About, Background, Depth, Display, ExrLayer, ExrLook, ImageError, Picture, PngLook, metrics,
     write_exr_rows, write_png_rows,
 };
 use renderer_core::render::progressive::check_size;
@@ -56,6 +56,8 @@ pub struct PictureOrder {
     pub display: Display,
     /// Leaves this background out.
     pub transparent: Option<Background>,
+    /// What the file says of the picture.
+    pub about: About,
     /// What a PNG carries beside the picture, as whole chunks.
     pub chunks: Vec<Vec<u8>>,
     /// Most bytes that the sums and the picture of a band may take.
@@ -123,6 +125,15 @@ pub enum Failure {
     Image(#[from] ImageError),
 }
 
+/// What the file of a picture of the design of that name says of it.
+pub fn about(name: &str, dots_per_inch: Option<f64>) -> About {
+    About {
+        title: Some(name.to_owned()),
+        software: Some(concat!("Towel Designer ", env!("CARGO_PKG_VERSION")).to_owned()),
+        dots_per_inch,
+    }
+}
+
 /// How long a backend works between looks at the clock.
 const SLICE: Duration = Duration::from_millis(100);
 /// How often a wait for the device looks whether it is over.
@@ -163,6 +174,7 @@ pub fn make(
                 display: order.display,
                 depth: *depth,
                 transparent: order.transparent,
+                about: &order.about,
                 chunks: &order.chunks,
             };
             write_png_rows(&mut draft, size, &look, next)
@@ -171,6 +183,7 @@ pub fn make(
             let look = ExrLook {
                 layers: layers.clone(),
                 transparent: order.transparent,
+                about: order.about.clone(),
             };
             write_exr_rows(&mut draft, size, &look, next)
         }

@@ -69,9 +69,15 @@ pub fn encode_chart_png(chart: &ChartImage, texts: &[(&str, &str)]) -> Result<Ve
 /// The text with this keyword that stands before the pixels of a PNG; `None` if there is none, or no PNG.
 pub fn png_text(file: impl BufRead + Seek, keyword: &str) -> Option<String> {
     let reader = Decoder::new(file).read_info().ok()?;
-    let mut texts = reader.info().utf8_text.iter();
-    let text = texts.find(|text| text.keyword == keyword)?;
-    text.get_text().ok()
+    let info = reader.info();
+    let mut texts = info.utf8_text.iter();
+    let text = texts.find(|text| text.keyword == keyword);
+    let latin = info.uncompressed_latin1_text.iter();
+    let mut latin = latin.filter(|text| text.keyword == keyword);
+    match text {
+        Some(text) => text.get_text().ok(),
+        None => latin.next().map(|text| text.text.clone()),
+    }
 }
 
 /// Row by row, what of each row lies in each tile: the tile, the row in it, and how many of its pixels lie in the

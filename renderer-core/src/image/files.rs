@@ -8,7 +8,7 @@ use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 
 use super::rows::{PngLook, write_png_rows};
-use super::{Aov, Display, Picture};
+use super::{About, Aov, Display, Picture};
 
 /// Why a picture could not be encoded.
 #[derive(Debug, thiserror::Error)]
@@ -62,10 +62,12 @@ pub fn encode_png(
     depth: Depth,
     transparent: Option<Background>,
 ) -> Result<Vec<u8>, ImageError> {
+    let about = About::default();
     let look = PngLook {
         display,
         depth,
         transparent,
+        about: &about,
         chunks: &[],
     };
     let mut file = Vec::new();

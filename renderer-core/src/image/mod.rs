@@ -1,11 +1,13 @@
 //! Linear pictures, their display, their files and their differences.
 
+mod about;
 mod chart_png;
 pub(crate) mod display;
 mod files;
 pub mod metrics;
 mod rows;
 
+pub use about::About;
 pub use chart_png::{encode_chart_png, png_text};
 pub use display::Display;
 pub use files::{

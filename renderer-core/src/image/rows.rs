@@ -13,7 +13,7 @@ use exr::prelude::{Compression, Vec2};
 use png::chunk::ChunkType;
 
 use super::files::exr_channels;
-use super::{Aov, Background, Depth, Display, ExrLayer, ImageError, Picture};
+use super::{About, Aov, Background, Depth, Display, ExrLayer, ImageError, Picture};
 
 /// How a PNG shows a picture.
 #[derive(Debug, Clone, Copy)]
@@ -24,6 +24,8 @@ pub struct PngLook<'a> {
     pub depth: Depth,
     /// Leaves this background out; then there is an alpha channel.
     pub transparent: Option<Background>,
+    /// What the file says of the picture.
+    pub about: &'a About,
     /// Whole chunks (length, type, data, checksum) to stand behind the header: what the file carries beside the
     /// picture.
     pub chunks: &'a [Vec<u8>],
@@ -49,6 +51,7 @@ pub fn write_png_rows<P: Borrow<Picture>, E: From<ImageError>>(
         Depth::Eight => png::BitDepth::Eight,
         Depth::Sixteen => png::BitDepth::Sixteen,
     });
+    look.about.describe_png(&mut encoder)?;
     // What more would take off a large noisy picture costs minutes.
     encoder.set_compression(png::Compression::Fast);
     let mut writer = encoder.write_header().map_err(refused)?;
@@ -113,12 +116,14 @@ pub struct ExrLook {
     pub layers: Vec<ExrLayer>,
     /// Leaves this background out; then there is an alpha channel.
     pub transparent: Option<Background>,
+    /// What the file says of the picture.
+    pub about: About,
 }
 
 /// Rows that an OpenEXR file holds together: pictures that are added must have a multiple of it, but for the last.
 pub const EXR_BLOCK_ROWS: u32 = 16;
 
-/// Writes an OpenEXR file of linear radiance, as [`super::encode_exr`] makes it, from the pictures that `next` gives:
+/// Writes an OpenEXR file of linear radiance, with the channels of [`super::encode_exr`], from the pictures that `next` gives:
 /// rows from the top, all `size[0]` wide, together `size[1]` high.
 ///
 /// # Errors
@@ -144,11 +149,12 @@ pub fn write_exr_rows<E: From<ImageError>>(
         .iter()
         .map(|name| ChannelDescription::named(*name, SampleType::F32))
         .collect();
-    let header = Header::new("".into(), (width, height), channels).with_encoding(
+    let mut header = Header::new("".into(), (width, height), channels).with_encoding(
         Compression::ZIP16,
         BlockDescription::ScanLines,
         LineOrder::Increasing,
     );
+    look.about.describe_exr(&mut header);
     let mut failed = None;
     let written = exr::block::write(
         file,

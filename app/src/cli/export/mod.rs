@@ -13,7 +13,8 @@ use clap::{Args, Subcommand};
 use renderer_core::design::Design;
 
 use super::arguments::{self, BadArgument};
-use crate::files;
+use super::read_design;
+use crate::files::{self, FileError, Opened, UsedFile};
 
 /// What to export.
 #[derive(Debug, Subcommand)]
@@ -45,6 +46,9 @@ pub struct ExportArguments {
     /// Change a field of the preset, as in turbulence.seed=3.
     #[arg(long, value_name = "PATH=VALUE", value_parser = arguments::field_and_value)]
     set: Vec<(String, String)>,
+    /// Open images that the preset names outside its own folder.
+    #[arg(long)]
+    allow_outside_images: bool,
 }
 
 /// Reads, computes and writes.
@@ -58,7 +62,10 @@ pub fn run(export: &Export) -> anyhow::Result<()> {
                 _ => loops::write(&design, &arguments.output),
             }
         }
-        Export::Volume(arguments) => volume::write(&load(arguments)?, &arguments.output),
+        Export::Volume(arguments) => {
+            let opened = load(arguments)?;
+            volume::write(&opened.design, &opened.read, &arguments.output)
+        }
         Export::Turbulence(arguments) => {
             extension(&arguments.output, &["exr"])?;
             turbulence::write(&open(arguments)?, &arguments.output)
@@ -66,19 +73,22 @@ pub fn run(export: &Export) -> anyhow::Result<()> {
     }
 }
 
-fn load(arguments: &ExportArguments) -> anyhow::Result<Design> {
-    let opened = files::open_design_with(&arguments.preset, &arguments.set)?;
+fn load(arguments: &ExportArguments) -> Result<Opened, FileError> {
+    let ExportArguments { preset, set, .. } = arguments;
+    let opened = read_design(preset, set, arguments.allow_outside_images)?;
     for warning in &opened.warnings {
         eprintln!("warning: {warning}");
     }
-    Ok(opened.design)
+    Ok(opened)
 }
 
-/// Reads the preset and makes sure that the output can be written.
+/// Reads the preset and makes sure that the output can be written, and is none of the files that were read.
 fn open(arguments: &ExportArguments) -> anyhow::Result<Design> {
-    let design = load(arguments)?;
+    let opened = load(arguments)?;
+    let output = UsedFile::new(&arguments.output, "the file to write (-o)");
+    files::check_apart(&opened.read, &[output])?;
     files::check_writable(&arguments.output)?;
-    Ok(design)
+    Ok(opened.design)
 }
 
 /// The output's extension, which must be one of `allowed`.

@@ -8,17 +8,18 @@
 
 use std::fs;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use renderer_core::design::{Design, PileKind};
 use renderer_core::image::encode_png_gray_alpha;
 use renderer_core::scene::{self, Volumes};
 
-use crate::files::{self, FileError};
+use crate::files::{self, FileError, UsedFile};
 
 /// Writes `KIND-variant-NN-layer-NN.png` for every layer of every volume into the folder `output`, which is made if it
-/// does not exist. Of kinds that are there with yarns of several diameters the later ones are `KIND-2` and so on.
-pub fn write(design: &Design, output: &Path) -> anyhow::Result<()> {
+/// does not exist. Of kinds that are there with yarns of several diameters the later ones are `KIND-2` and so on. None
+/// of them may be one of the files that were `read`.
+pub fn write(design: &Design, read: &[UsedFile], output: &Path) -> anyhow::Result<()> {
     if !output.is_dir() {
         let made = match output.exists() {
             true => Err(io::Error::other("is a file, and a folder is needed")),
@@ -31,19 +32,30 @@ pub fn write(design: &Design, output: &Path) -> anyhow::Result<()> {
     }
     let scene = scene::compile(design)?;
     let volumes = &*scene.volumes;
+    let layers = layers(volumes, output);
+    for (path, _) in &layers {
+        files::check_apart(read, &[UsedFile::new(path, "a layer of a volume")])?;
+    }
+    for (path, [kind, variant, layer]) in layers {
+        let pixels = gray_alpha(volumes, kind, variant, layer);
+        let file = encode_png_gray_alpha([volumes.resolution; 2], &pixels)?;
+        files::write_atomically(&path, &file)?;
+    }
+    Ok(())
+}
+
+/// The file of every layer, and of which kind, variant and layer it is.
+fn layers(volumes: &Volumes, folder: &Path) -> Vec<(PathBuf, [usize; 3])> {
+    let mut files = Vec::new();
     for (k, kind) in kind_names(volumes).iter().enumerate() {
         for variant in 0..volumes.variants {
             for layer in 0..volumes.layers {
                 let name = format!("{}-layer-{layer:02}.png", volume_name(kind, variant));
-                let file = encode_png_gray_alpha(
-                    [volumes.resolution; 2],
-                    &gray_alpha(volumes, k, variant, layer),
-                )?;
-                files::write_atomically(&output.join(name), &file)?;
+                files.push((folder.join(name), [k, variant as usize, layer as usize]));
             }
         }
     }
-    Ok(())
+    files
 }
 
 /// What files call each kind of volumes: the kind, with a number where an earlier one of it has another diameter of
@@ -66,15 +78,9 @@ pub fn volume_name(kind: &str, variant: u32) -> String {
 }
 
 /// Shade and density of a layer, row by row from the loop's top.
-fn gray_alpha(volumes: &Volumes, kind: usize, variant: u32, layer: u32) -> Vec<[u8; 2]> {
-    let [resolution, layers, variants, variant, layer] = [
-        volumes.resolution,
-        volumes.layers,
-        volumes.variants,
-        variant,
-        layer,
-    ]
-    .map(|n| n as usize);
+fn gray_alpha(volumes: &Volumes, kind: usize, variant: usize, layer: usize) -> Vec<[u8; 2]> {
+    let [resolution, layers, variants] =
+        [volumes.resolution, volumes.layers, volumes.variants].map(|n| n as usize);
     let first = ((kind * variants + variant) * layers + layer) * resolution * resolution;
     let texels = &volumes.voxels[first..first + resolution * resolution];
     let rows = texels.chunks(resolution).rev();

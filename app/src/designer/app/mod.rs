@@ -90,7 +90,7 @@ impl App {
         window::keep_to_textures(cc);
         window::note_drops(cc);
         if let Some(preset) = setup.preset {
-            app.load_preset(ctx, preset);
+            app.load_preset(ctx, &preset);
         }
         app
     }

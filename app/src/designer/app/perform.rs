@@ -6,9 +6,10 @@ use std::path::PathBuf;
 use egui::Context;
 
 use crate::designer::app::App;
-use crate::designer::export::{Event, Export};
+use crate::designer::export::{Event, Subject};
 use crate::designer::shell::command::Command;
 use crate::designer::shell::dialogs::Purpose;
+use crate::files::{self, UsedFile};
 
 impl App {
     /// Looks through the design's first camera, the one a file opens with.
@@ -25,6 +26,8 @@ impl App {
             | Command::OpenPreset(_)
             | Command::OpenShipped(_)
             | Command::Quit => self.give_up_document(ctx, command),
+            // Whether to save what it replaces was asked before.
+            Command::OpenPresetWith(path, choice) => self.load_preset_with(ctx, &path, choice),
             Command::Save => self.save_again(ctx),
             Command::SaveAs => self.ask_where_to_save(ctx, Purpose::SavePreset),
             Command::SaveAsBundle => self.ask_where_to_save(ctx, Purpose::SaveBundle),
@@ -84,21 +87,33 @@ impl App {
 
     pub(super) fn start_export(&mut self, ctx: &Context, path: PathBuf) {
         let document = &self.document;
+        let output = UsedFile::new(&path, "the picture");
+        if let Err(error) = files::check_apart(&document.files(), &[output]) {
+            let text = error.to_string();
+            return self.shell.notices.error("Not exported", text);
+        }
         let camera = &self.viewport.camera;
         let carried = document.carried().clone();
-        self.export
-            .start(path, document.design.clone(), carried, camera, ctx);
+        let subject = Subject {
+            name: document.name(),
+            design: document.design.clone(),
+            carried,
+            camera: camera.clone(),
+        };
+        self.export.start(path, subject, ctx);
     }
 
     pub(super) fn take_export(&mut self, ctx: &Context) {
         match self.export.show(ctx, &self.document.design) {
             Some(Event::AskForFile(ending)) => {
-                let name = Export::file_name(&self.document.name(), ending);
                 let purpose = match ending {
                     "exr" => Purpose::ExportExr,
                     _ => Purpose::ExportPng,
                 };
                 let folder = self.folder_for(purpose);
+                let document = &self.document;
+                let used = document.files();
+                let name = files::picture_name(&document.name(), ending, &folder, &used);
                 self.shell.dialogs.ask(purpose, &folder, &name, ctx);
             }
             Some(Event::Written(path, warnings)) => {

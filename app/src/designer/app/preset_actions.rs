@@ -9,11 +9,10 @@ use egui::Context;
 use renderer_core::design::ImageSlot;
 
 use crate::designer::app::App;
-use crate::designer::presets::stem_of;
 use crate::designer::shell::command::{Command, Place, PresetCommand};
 use crate::designer::shell::questions::Question;
 use crate::designer::tasks::Task;
-use crate::files::{self, BUNDLE_ENDING, Shipped};
+use crate::files::{self, BUNDLE_ENDING, KnownOutside, Outside, Reading, Shipped, stem_of};
 
 /// Why a name cannot be a file's on some platform.
 fn fault_of_name(name: &str) -> Option<&'static str> {
@@ -69,7 +68,9 @@ impl App {
             }
             PresetCommand::SaveTo(path) => self.save_preset(ctx, path),
             PresetCommand::Duplicate(place) => {
-                let copied = copy(&place, &folder);
+                let config = self.filing.folders.as_ref().map(|f| f.config.clone());
+                let known = config.as_deref().map(KnownOutside::load);
+                let copied = copy(&place, &folder, &known.unwrap_or_default());
                 self.tell_preset("Preset not copied", copied.map(Some));
             }
             PresetCommand::AskToRename(path) => {
@@ -139,10 +140,14 @@ impl App {
 }
 
 /// Copies a preset into the user's folder, under a name that is free there.
-fn copy(place: &Place, folder: &Path) -> Result<PathBuf, String> {
+fn copy(place: &Place, folder: &Path, known: &KnownOutside) -> Result<PathBuf, String> {
+    let reading = Reading {
+        outside: Outside::Known(known),
+        ..Reading::default()
+    };
     let opened = match place {
         Place::Program(name) => Shipped::named(name).ok_or("is gone")?.open(),
-        Place::File(path) => files::open_design(path),
+        Place::File(path) => files::read_design(path, reading),
     };
     let opened = opened.map_err(|error| error.to_string())?;
     let (name, from, ending) = match place {

@@ -15,7 +15,7 @@ use super::App;
 use super::window::in_a_window;
 use crate::backend::{self, BackendChoice};
 use crate::designer::{Document, Folders, LiveLight, Setup};
-use crate::files;
+use crate::files::{self, BUNDLE_ENDING, FileError};
 
 /// Windows that last less than this,
 const SHORT: Duration = Duration::from_secs(10);
@@ -53,7 +53,8 @@ impl WindowHandoff {
 /// is.
 pub fn run(preset: Option<PathBuf>, choice: BackendChoice) -> anyhow::Result<()> {
     let handoff = WindowHandoff::default();
-    let mut preset = preset;
+    // Wherever the program goes, it saves to the file that was named.
+    let mut preset = preset.map(|preset| files::absolute(&preset));
     let mut short_lives = 0;
     loop {
         let opened = Instant::now();
@@ -110,10 +111,8 @@ fn give_up(handoff: &WindowHandoff) -> anyhow::Error {
     if !kept.document.is_unsaved() {
         return anyhow!("the window was lost again and again: {why}");
     }
-    let name = format!("{}-rescued.toml", kept.document.name());
-    let path = std::env::temp_dir().join(name);
-    match files::save_design(&kept.document.design, &path, kept.document.path()) {
-        Ok(_) => anyhow!(
+    match rescue(&kept.document) {
+        Ok(path) => anyhow!(
             "the window was lost again and again: {why}; the design is in {}",
             path.display()
         ),
@@ -121,6 +120,20 @@ fn give_up(handoff: &WindowHandoff) -> anyhow::Error {
             "the window was lost again and again: {why}; the design could not be saved: {error}"
         ),
     }
+}
+
+/// Saves a document as a bundle in the folder for temporary files, under a name that no other file has.
+fn rescue(document: &Document) -> Result<PathBuf, FileError> {
+    let folder = std::env::temp_dir();
+    let mut path = folder.join(format!("{}-rescued.{BUNDLE_ENDING}", document.name()));
+    let mut number = 2;
+    while path.exists() {
+        let name = format!("{}-rescued-{number}.{BUNDLE_ENDING}", document.name());
+        path = folder.join(name);
+        number += 1;
+    }
+    files::save(&document.design, document.carried(), &path, document.path())?;
+    Ok(path)
 }
 
 impl App {

@@ -14,7 +14,9 @@ use std::path::{Path, PathBuf};
 
 use renderer_core::design::{ChartImage, Design, ImagePixels, ImageSlot};
 
-use crate::files::{Carried, Opened, Origin, OwnImages, Stamp, Unsaved, is_bundle};
+use crate::files::{
+    Carried, Opened, Origin, OwnImages, Stamp, Unsaved, UsedFile, is_bundle, stem_of, words,
+};
 
 /// Most steps that can be undone. Designs share their charts' tiles, so a step costs little,
 const MAX_STEPS: usize = 1000;
@@ -43,6 +45,8 @@ pub struct Document {
     pub own_images: OwnImages,
     /// Name of a design without a file that was made from something with a name.
     name: Option<String>,
+    /// The picture that a design without a file was read from.
+    source: Option<PathBuf>,
     /// Images that lie in no folder.
     carried: Carried,
     /// The file's state when it was read or written.
@@ -88,6 +92,7 @@ impl Document {
             path,
             own_images: OwnImages::default(),
             name: None,
+            source: None,
             carried: Carried::default(),
             revision: 0,
             undo: Vec::new(),
@@ -103,31 +108,57 @@ impl Document {
             design,
             carried,
             origin,
+            left_out,
             ..
         } = opened;
         let name = path.file_stem().map(|stem| stem.to_string_lossy().into());
         let document = match origin {
             Origin::Preset if path.is_file() => Self::new(design, Some(path)),
             Origin::Bundle if is_bundle(&path) => Self::with_images_found(design, Some(path)),
-            Origin::Preset | Origin::Bundle | Origin::Picture | Origin::Program => Self {
+            Origin::Preset | Origin::Bundle | Origin::Picture => Self {
+                name,
+                source: Some(path),
+                ..Self::with_images_found(design, None)
+            },
+            Origin::Program => Self {
                 name,
                 ..Self::with_images_found(design, None)
             },
         };
-        Self {
+        let document = Self {
             carried,
             ..document
+        };
+        match left_out.is_empty() {
+            true => document,
+            false => document.without_file(),
+        }
+    }
+
+    /// Is a new design that keeps its name: the file has more than was opened, and is not to be saved over.
+    fn without_file(self) -> Self {
+        Self {
+            name: Some(self.name()),
+            path: None,
+            stamp: None,
+            source: self.path.clone().or(self.source),
+            ..self
         }
     }
 
     /// A document that a program which ended without saving it has left behind.
     pub fn recovered(unsaved: Unsaved) -> Self {
+        // A path that starts where another program was started leads nowhere now.
+        let (path, lost) = match unsaved.path {
+            Some(path) if path.is_relative() => (None, Some(stem_of(&path))),
+            path => (path, None),
+        };
         Self {
             saved: None,
-            name: unsaved.name,
+            name: unsaved.name.or(lost),
             carried: unsaved.carried,
             stamp: unsaved.stamp,
-            ..Self::with_images_found(unsaved.design, unsaved.path)
+            ..Self::with_images_found(unsaved.design, path)
         }
     }
 
@@ -140,6 +171,33 @@ impl Document {
             name: self.name.clone(),
             stamp: self.stamp,
         }
+    }
+
+    /// The files that the design is made of: its own, the picture it was read from, and its images.
+    pub fn files(&self) -> Vec<UsedFile> {
+        let own = self.path.iter().chain(&self.source);
+        let own = own.map(|path| UsedFile::new(path, "the file of the design"));
+        own.chain(self.image_files()).collect()
+    }
+
+    /// The files of the design's images.
+    pub fn image_files(&self) -> Vec<UsedFile> {
+        let mut files = self.own_images.files();
+        let preset = self.path.as_deref().filter(|path| !is_bundle(path));
+        for slot in ImageSlot::ALL {
+            let Some(path) = slot.path(&self.design) else {
+                continue;
+            };
+            let file = match self.carried.get(path) {
+                // In memory what is not carried has its whole path.
+                None => Some(PathBuf::from(path)),
+                // What was carried lies beside the preset that it was saved with.
+                Some(_) => preset.map(|preset| preset.with_file_name(path)),
+            };
+            let what = format!("the {} of the design", words(slot).name);
+            files.extend(file.map(|file| UsedFile::new(file, what)));
+        }
+        files
     }
 
     /// The images that lie in no folder.

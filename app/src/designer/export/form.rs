@@ -32,12 +32,8 @@ impl FileType {
 
     fn what(self) -> &'static str {
         match self {
-            Self::Png8 => {
-                "What the viewport shows, for screens and print. The file opens again as a design."
-            }
-            Self::Png16 => {
-                "The same with finer steps, for retouching. The file opens again as a design."
-            }
+            Self::Png8 => "What the viewport shows, for screens and print.",
+            Self::Png16 => "The same with finer steps, for retouching.",
             Self::Exr => "The light itself, before exposure and tone map, for compositing.",
         }
     }
@@ -57,10 +53,12 @@ pub(super) struct Form {
     pub size: [u32; 2],
     pub samples: u32,
     pub transparent: bool,
+    /// Whether a PNG takes its design along.
+    pub takes_design: bool,
+    pub dots_per_inch: f64,
     pub choice: BackendChoice,
     /// Width over height that stays.
     proportion: Option<f64>,
-    dots_per_inch: f64,
     error: Option<f64>,
     seconds: Option<f64>,
     viewport: [u32; 2],
@@ -85,9 +83,10 @@ impl Form {
             size: [1600, 1200],
             samples: Quality::default().samples,
             transparent: false,
+            takes_design: true,
+            dots_per_inch: 300.0,
             choice,
             proportion: None,
-            dots_per_inch: 300.0,
             error: None,
             seconds: None,
             viewport: [800, 600],
@@ -148,6 +147,7 @@ impl Form {
                     "Leaves the background out: the cloth alone, to be laid over something else.",
                 );
                 ui.end_row();
+                self.design(ui);
                 self.backend(ui);
             });
         ui.add_space(4.0);
@@ -201,6 +201,18 @@ impl Form {
             .response
             .labelled_by(label.id)
             .on_hover_text(self.file_type.what());
+        ui.end_row();
+    }
+
+    fn design(&mut self, ui: &mut Ui) {
+        ui.label("Design");
+        if self.file_type == FileType::Exr {
+            ui.weak("not in EXR files");
+        } else {
+            check_box(ui, &mut self.takes_design, "in the file").on_hover_text(
+                "The picture opens again as a design, with its images. Without, it is a picture and nothing more.",
+            );
+        }
         ui.end_row();
     }
 

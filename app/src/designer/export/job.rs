@@ -6,32 +6,33 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use egui::Context;
-use renderer_core::design::{CameraDesign, Design};
 use renderer_core::geometry::Camera;
 use renderer_core::image::{Background, Display};
 use renderer_core::render::Settings;
 use renderer_core::scene::lod::{LodBudget, LodCompiler, LodView};
 use renderer_core::scene::{Cancel, CompileError};
 
+use super::Subject;
 use crate::advice::{Place, with_advice, with_advice_on_cloth};
 use crate::backend::BackendChoice;
 use crate::designer::render_thread::renderer::MakeBackend;
 use crate::designer::tasks::Task;
-use crate::files::{self, Carried};
+use crate::files;
 use crate::picture_file::{self, BAND_BYTES, Failure, Format, Standing, TimeLeft};
 
 /// What to render and where to write it.
 pub(super) struct ExportRequest {
     pub path: PathBuf,
     pub format: Format,
-    pub design: Design,
-    pub carried: Carried,
-    pub camera: CameraDesign,
+    pub subject: Subject,
     pub size: [u32; 2],
     pub samples: u32,
     pub error: f64,
     pub time: Option<Duration>,
     pub transparent: bool,
+    /// Whether a PNG takes its design along.
+    pub takes_design: bool,
+    pub dots_per_inch: f64,
     pub choice: BackendChoice,
 }
 
@@ -108,8 +109,8 @@ impl ExportRequest {
         let is_given_up = || cancel.load(Ordering::Relaxed);
         let made = LodView::new(
             &mut LodCompiler::default(),
-            &self.design,
-            &Camera::from_design(&self.camera),
+            &self.subject.design,
+            &Camera::from_design(&self.subject.camera),
             self.size,
             LodBudget::FINAL,
             &Cancel::when(&is_given_up),
@@ -123,14 +124,15 @@ impl ExportRequest {
             return Ok(Outcome::Cancelled);
         }
         let (chunks, warnings) = match self.format {
-            Format::Png(_) => {
+            Format::Png(_) if self.takes_design => {
                 // In a document paths of images are whole, or names of what it carries.
-                let embedded = files::embedded(&self.design, &self.carried, Path::new(""))?;
+                let embedded =
+                    files::embedded(&self.subject.design, &self.subject.carried, Path::new(""))?;
                 (embedded.chunks, embedded.warnings)
             }
-            Format::Exr(_) => (Vec::new(), Vec::new()),
+            Format::Png(_) | Format::Exr(_) => (Vec::new(), Vec::new()),
         };
-        let background = Background(self.design.light.background.linear());
+        let background = Background(self.subject.design.light.background.linear());
         let order = picture_file::PictureOrder {
             view,
             size: self.size,
@@ -138,16 +140,17 @@ impl ExportRequest {
             settings: Settings {
                 samples: self.samples,
                 error: self.error,
-                ..Settings::from(&self.design.quality)
+                ..Settings::from(&self.subject.design.quality)
             },
             time: self.time,
             format: self.format.clone(),
-            display: Display::from(&self.design.view),
+            display: Display::from(&self.subject.design.view),
             transparent: self.transparent.then_some(background),
+            about: picture_file::about(&self.subject.name, Some(self.dots_per_inch)),
             chunks,
             band_bytes: BAND_BYTES,
         };
-        let choice = self.choice.for_method(self.design.quality.method);
+        let choice = self.choice.for_method(self.subject.design.quality.method);
         let mut backend = make(choice).map_err(|error| with_advice(&error, Place::Export))?;
         match picture_file::make(&order, &mut *backend, &self.path, cancel, report) {
             Ok(_) => Ok(Outcome::Written(warnings)),

@@ -31,6 +31,18 @@ pub struct Export {
     job: Option<ExportJob>,
 }
 
+/// What a picture shows.
+pub struct Subject {
+    /// The design's name.
+    pub name: String,
+    /// The design.
+    pub design: Design,
+    /// Its images that lie in no folder.
+    pub carried: Carried,
+    /// From where it is seen.
+    pub camera: CameraDesign,
+}
+
 /// What came of the window.
 #[derive(Debug)]
 pub enum Event {
@@ -61,26 +73,19 @@ impl Export {
         self.is_open = true;
     }
 
-    /// Starts to render `design` as `camera` sees it, and to write it to `path`.
-    pub fn start(
-        &mut self,
-        path: PathBuf,
-        design: Design,
-        carried: Carried,
-        camera: &CameraDesign,
-        ctx: &Context,
-    ) {
+    /// Starts to render what is to be seen, and to write it to `path`.
+    pub fn start(&mut self, path: PathBuf, subject: Subject, ctx: &Context) {
         let request = ExportRequest {
             format: self.format_of(&path),
             path,
-            design,
-            carried,
-            camera: camera.clone(),
+            subject,
             size: self.form.size,
             samples: self.form.samples,
             error: self.form.error_target(),
             time: self.form.time_limit(),
             transparent: self.form.transparent,
+            takes_design: self.form.takes_design,
+            dots_per_inch: self.form.dots_per_inch,
             choice: self.form.choice,
         };
         self.job = Some(ExportJob::start(
@@ -158,11 +163,6 @@ impl Export {
                 Some(Event::Failed(path, error))
             }
         }
-    }
-
-    /// A name for the picture of a document.
-    pub fn file_name(document: &str, ending: &str) -> String {
-        format!("{document}.{ending}")
     }
 }
 

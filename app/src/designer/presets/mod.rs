@@ -6,6 +6,7 @@ use std::collections::HashMap;
 use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use egui::{
     Button, ColorImage, Context, RichText, ScrollArea, TextEdit, TextureHandle, TextureOptions, Ui,
@@ -17,7 +18,7 @@ use crate::designer::document::folders::Folders;
 use crate::designer::shell::command::{Command, Place, PresetCommand};
 use crate::designer::shell::keyboard_focus::KeyboardFocus;
 use crate::designer::tasks::{Poll, Task};
-use crate::files::{self, Outline, Shipped, is_bundle};
+use crate::files::{self, KnownOutside, Outline, Outside, Reading, Shipped, is_bundle, stem_of};
 use thumbnails::{ThumbnailJob, ThumbnailKey, ThumbnailRenderer, ThumbnailSubject};
 
 /// A preset of the list.
@@ -32,6 +33,8 @@ struct Preset {
 struct Listed {
     /// The presets, with the pictures that were drawn before.
     presets: Vec<(Preset, Option<ColorImage>)>,
+    /// Whose images outside their folders may be opened.
+    known: KnownOutside,
     /// Whether pictures can be kept. If not, every start would draw them all; then none are drawn.
     can_keep: bool,
 }
@@ -129,6 +132,7 @@ impl Presets {
 
     fn take_list(&mut self, ctx: &Context, listed: Listed, thumbnails: &mut ThumbnailRenderer) {
         self.list.clear();
+        let known = Arc::new(listed.known);
         for (preset, picture) in listed.presets {
             let content = preset.outline.content;
             if let Some(picture) = picture {
@@ -142,10 +146,10 @@ impl Presets {
             let is_known = self.pictures.contains_key(&content);
             let is_drawn = self.drawn.contains(&(key.clone(), content));
             if listed.can_keep && !is_known && !is_drawn {
-                let place = preset.place.clone();
+                let (place, known) = (preset.place.clone(), Arc::clone(&known));
                 thumbnails.draw(ThumbnailJob {
                     key: key.clone(),
-                    subject: Box::new(move || subject(&place)),
+                    subject: Box::new(move || subject(&place, &known)),
                     size: DRAWN,
                     samples: SAMPLES,
                     is_urgent: false,
@@ -308,6 +312,8 @@ impl Preset {
 /// All presets, the user's own first, with the pictures that were drawn before.
 fn list(folders: Option<&Folders>) -> Listed {
     let mut listed: Vec<Preset> = Vec::new();
+    let known = folders.map(|folders| KnownOutside::load(&folders.config));
+    let known = known.unwrap_or_default();
     if let Some(folders) = folders {
         let entries = fs::read_dir(&folders.presets)
             .into_iter()
@@ -324,7 +330,7 @@ fn list(folders: Option<&Folders>) -> Listed {
         files.sort();
         listed.extend(files.into_iter().map(|path| Preset {
             name: stem_of(&path),
-            outline: Outline::of_file(&path),
+            outline: Outline::of_file(&path, &known),
             place: Place::File(path),
         }));
     }
@@ -340,18 +346,11 @@ fn list(folders: Option<&Folders>) -> Listed {
         (preset, picture)
     };
     Listed {
+        known,
         presets: listed.into_iter().map(with_picture).collect(),
         can_keep: folders
             .is_some_and(|folders| fs::create_dir_all(pictures_folder(&folders.cache)).is_ok()),
     }
-}
-
-/// Name of a file without its ending.
-pub fn stem_of(path: &Path) -> String {
-    path.file_stem()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .into_owned()
 }
 
 /// Where the picture of a content is kept; another version of the program may draw it otherwise.
@@ -388,10 +387,14 @@ fn write_picture(path: &Path, picture: &ColorImage) -> Option<()> {
 }
 
 /// A preset as its first camera sees it.
-fn subject(place: &Place) -> Result<ThumbnailSubject, String> {
+fn subject(place: &Place, known: &KnownOutside) -> Result<ThumbnailSubject, String> {
+    let reading = Reading {
+        outside: Outside::Known(known),
+        ..Reading::default()
+    };
     let opened = match place {
         Place::Program(name) => Shipped::named(name).ok_or("is gone")?.open(),
-        Place::File(path) => files::open_design(path),
+        Place::File(path) => files::read_design(path, reading),
     };
     let design = opened.map_err(|error| error.to_string())?.design;
     let camera = design.view.cameras.first().cloned().unwrap_or_default();

@@ -20,6 +20,8 @@ pub enum Command {
     Open,
     /// Open this preset, bundle or picture that carries its design.
     OpenPreset(PathBuf),
+    /// Open this preset or picture, which names images outside its folder, with or without these.
+    OpenPresetWith(PathBuf, OutsideChoice),
     /// Open a copy of the program's own preset of this name.
     OpenShipped(String),
     /// Save to the document's file, or ask for one.
@@ -93,6 +95,15 @@ impl Command {
             other => other,
         }
     }
+}
+
+/// What to do about images outside the folder of the file that names them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OutsideChoice {
+    /// Open them.
+    Open,
+    /// Open the design without them.
+    LeaveOut,
 }
 
 /// What to do with a design that was left behind.

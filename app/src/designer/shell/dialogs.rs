@@ -56,8 +56,8 @@ impl Purpose {
                 let words = words(slot);
                 (words.dialog_title, "images", words.endings, false)
             }
-            Self::ExportPng => ("Export picture as", "pictures", &["png"], true),
-            Self::ExportExr => ("Export picture as", "pictures", &["exr"], true),
+            Self::ExportPng => ("Export picture as", "pictures", &["png", "exr"], true),
+            Self::ExportExr => ("Export picture as", "pictures", &["exr", "png"], true),
         };
         FileKind {
             title,
@@ -140,11 +140,26 @@ impl Dialogs {
             Err(TryRecvError::Disconnected) => (None, Duration::ZERO),
         };
         let dialog = self.system.take()?;
-        if answer.is_none() && open_for < NEVER_OPENED {
-            self.browse(dialog.purpose, &dialog.folder, &dialog.name);
+        let purpose = dialog.purpose;
+        let Some(path) = answer else {
+            if open_for < NEVER_OPENED {
+                self.browse(purpose, &dialog.folder, &dialog.name);
+                return None;
+            }
+            return Some((purpose, None));
+        };
+        let kind = purpose.kind();
+        let whole = match kind.saving {
+            true => kind.complete(&path),
+            false => path.clone(),
+        };
+        if whole != path && whole.exists() {
+            // The system has asked about another name.
+            let browser = FileBrowser::asking_to_replace(kind, whole);
+            self.browser = Some((purpose, browser));
             return None;
         }
-        Some((dialog.purpose, answer))
+        Some((purpose, Some(whole)))
     }
 
     fn show_browser(&mut self, ctx: &Context) -> Option<(Purpose, Option<PathBuf>)> {
@@ -178,14 +193,9 @@ fn open_system_dialog(
     }
     let (sender, receiver) = channel();
     let ctx = ctx.clone();
-    let ending = kind.endings.first().copied().unwrap_or_default();
     let opened = Instant::now();
     let wait = move |answer: Option<rfd::FileHandle>| {
         let path = answer.map(|file| file.path().to_path_buf());
-        let path = path.map(|path| match path.extension() {
-            None if kind.saving => path.with_extension(ending),
-            _ => path,
-        });
         // Nobody listens any more when the window is closing.
         let _ = sender.send((path, opened.elapsed()));
         ctx.request_repaint();

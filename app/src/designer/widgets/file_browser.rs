@@ -14,10 +14,30 @@ pub struct FileKind {
     pub title: &'static str,
     /// What the files are called.
     pub name: &'static str,
-    /// Endings without the dot; the first is added to a name without one when saving.
+    /// Endings without the dot; the first is added to a name that has none of them when saving.
     pub endings: &'static [&'static str],
     /// Whether a file will be written.
     pub saving: bool,
+}
+
+impl FileKind {
+    /// The path with the first ending behind its name, unless the name has one of them already: what stands behind
+    /// another dot belongs to the name, as in "Beach 2.5".
+    pub fn complete(&self, path: &Path) -> PathBuf {
+        let has_one = path.extension().is_some_and(|found| {
+            let mut endings = self.endings.iter();
+            endings.any(|ending| found.eq_ignore_ascii_case(ending))
+        });
+        match self.endings.first() {
+            Some(first) if !has_one => {
+                let mut name = path.as_os_str().to_owned();
+                name.push(".");
+                name.push(first);
+                name.into()
+            }
+            _ => path.to_owned(),
+        }
+    }
 }
 
 /// An open dialog.
@@ -64,6 +84,17 @@ impl FileBrowser {
         };
         browser.enter(folder);
         browser
+    }
+
+    /// A dialog that asks whether to replace the file at `path`.
+    pub fn asking_to_replace(kind: FileKind, path: PathBuf) -> Self {
+        let folder = path.parent().unwrap_or(Path::new("."));
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let browser = Self::new(kind, folder, &name);
+        Self {
+            asked_to_replace: Some(path),
+            ..browser
+        }
     }
 
     /// Shows the dialog; `Some` when the user is done with it.
@@ -211,12 +242,8 @@ impl FileBrowser {
             self.enter(&path);
             return;
         }
-        if let (true, None, Some(ending)) = (
-            self.kind.saving,
-            path.extension(),
-            self.kind.endings.first(),
-        ) {
-            path.set_extension(ending);
+        if self.kind.saving {
+            path = self.kind.complete(&path);
         }
         if self.kind.saving && path.exists() && self.asked_to_replace.as_ref() != Some(&path) {
             self.asked_to_replace = Some(path);

@@ -33,7 +33,7 @@ impl App {
                     .dialogs
                     .ask(Purpose::OpenPreset, &folder, "", ctx);
             }
-            Command::OpenPreset(path) => self.load_preset(ctx, path),
+            Command::OpenPreset(path) => self.load_preset(ctx, &path),
             Command::OpenShipped(name) => self.load_shipped(ctx, name),
             Command::Quit => {
                 self.window.is_quitting = true;

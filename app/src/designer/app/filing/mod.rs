@@ -24,7 +24,7 @@ use crate::designer::shell::command::{Command, RecoveryChoice};
 use crate::designer::shell::dialogs::Purpose;
 use crate::designer::shell::questions::{Answer, Question};
 use crate::designer::tasks::Task;
-use crate::files::RecoveryFile;
+use crate::files::{self, RecoveryFile};
 
 /// The state of the designer's files.
 pub struct Filing {
@@ -116,7 +116,7 @@ impl Filing {
 
     fn remember_folder(&mut self, purpose: &str, file: &Path) {
         if let Some(folder) = file.parent().filter(|folder| *folder != Path::new("")) {
-            let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.into());
+            let folder = files::absolute(folder);
             self.settings.folders.insert(purpose.into(), folder);
         }
     }
@@ -216,7 +216,7 @@ impl App {
         path: PathBuf,
     ) {
         match purpose {
-            Purpose::OpenPreset => self.load_preset(ctx, path),
+            Purpose::OpenPreset => self.load_preset(ctx, &path),
             Purpose::OpenImage(slot) => self.load_image(ctx, slot, path),
             Purpose::SavePreset | Purpose::SaveBundle => self.save_chosen(ctx, path),
             Purpose::ExportPng | Purpose::ExportExr => {

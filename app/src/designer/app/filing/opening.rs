@@ -7,11 +7,13 @@ use renderer_core::design::ImageSlot;
 
 use crate::designer::app::App;
 use crate::designer::document::Document;
-use crate::designer::shell::command::Command;
+use crate::designer::shell::command::{Command, OutsideChoice};
 use crate::designer::shell::dialogs::Purpose;
 use crate::designer::shell::questions::Question;
 use crate::designer::tasks::{Poll, Task};
-use crate::files::{self, FileError, LoadedImage, Opened, OwnImages, Shipped};
+use crate::files::{
+    self, FileError, KnownOutside, LoadedImage, Opened, Outside, OutsideImage, OwnImages, Shipped,
+};
 
 /// A file that was read on another thread.
 pub(super) enum Loaded {
@@ -20,11 +22,28 @@ pub(super) enum Loaded {
 }
 
 impl App {
-    pub(in crate::designer::app) fn load_preset(&mut self, ctx: &Context, path: PathBuf) {
+    /// Opens a design with those of its images that its file may open; asks about others.
+    pub(in crate::designer::app) fn load_preset(&mut self, ctx: &Context, path: &Path) {
+        self.start_loading(ctx, path, None);
+    }
+
+    /// Opens a design that names images outside its folder as the user has decided.
+    pub(in crate::designer::app) fn load_preset_with(
+        &mut self,
+        ctx: &Context,
+        path: &Path,
+        choice: OutsideChoice,
+    ) {
+        self.start_loading(ctx, path, Some(choice));
+    }
+
+    fn start_loading(&mut self, ctx: &Context, path: &Path, choice: Option<OutsideChoice>) {
+        let path = files::absolute(path);
+        let config = self.filing.folders.as_ref().map(|f| f.config.clone());
         self.filing.replaces = Some(self.document.revision());
         self.filing.loading = Some(Task::start(ctx, move || {
-            let opened = files::open_to_edit(&path).map(Box::new);
-            Loaded::Design(path, opened)
+            let opened = open(&path, choice, config.as_deref());
+            Loaded::Design(path, opened.map(Box::new))
         }));
     }
 
@@ -49,7 +68,7 @@ impl App {
         let folder_key = Purpose::OpenImage(slot).key();
         self.filing.remember_folder(folder_key, &path);
         self.filing.loading = Some(Task::start(ctx, move || {
-            let path = std::path::absolute(&path).unwrap_or(path);
+            let path = files::absolute(&path);
             let image = files::load_image(slot, &path);
             Loaded::Image(slot, path, image)
         }));
@@ -73,6 +92,9 @@ impl App {
             Some(Loaded::Design(path, Ok(opened))) => {
                 let (opened, own_images) = *opened;
                 self.take_opened(path, opened, own_images);
+            }
+            Some(Loaded::Design(path, Err(FileError::Outside { images, .. }))) => {
+                self.ask_about_outside(path, &images);
             }
             Some(Loaded::Design(path, Err(error))) => self.tell_not_opened(&path, &error),
             Some(Loaded::Image(slot, path, Ok(image))) => self.take_image(slot, &path, image),
@@ -103,7 +125,7 @@ impl App {
         }
     }
 
-    fn take_opened(&mut self, path: PathBuf, opened: Opened, own_images: OwnImages) {
+    fn take_opened(&mut self, path: PathBuf, mut opened: Opened, own_images: OwnImages) {
         self.document.settle(false);
         if self.document.is_unsaved() && self.filing.replaces != Some(self.document.revision()) {
             // Edited while the file was read.
@@ -113,6 +135,9 @@ impl App {
             });
             return;
         }
+        let left_out = opened.left_out.iter();
+        let left_out = left_out.map(|image| format!("Opened without {}.", image.sentence()));
+        opened.warnings.extend(left_out);
         if !opened.warnings.is_empty() {
             self.shell
                 .notices
@@ -125,6 +150,22 @@ impl App {
         }
         self.set_document(Document::opened(opened, path));
         self.document.own_images = own_images;
+    }
+
+    /// Asks whether a design may open images outside its folder.
+    fn ask_about_outside(&mut self, path: PathBuf, images: &[OutsideImage]) {
+        let name = path.file_name().unwrap_or(path.as_os_str());
+        let list: Vec<String> = images.iter().map(OutsideImage::sentence).collect();
+        let text = format!(
+            "{} names images outside its own folder:\n{}\nOpen them if the file is yours, or from somebody you trust.",
+            name.to_string_lossy(),
+            list.join("\n")
+        );
+        let answer = |choice| Command::OpenPresetWith(path.clone(), choice);
+        let question = Question::new("Open images from elsewhere?", text)
+            .answer("Open them", answer(OutsideChoice::Open))
+            .answer("Open without them", answer(OutsideChoice::LeaveOut));
+        self.filing.question = Some(question);
     }
 
     fn tell_not_opened(&mut self, path: &Path, error: &FileError) {
@@ -178,4 +219,24 @@ impl App {
             },
         }
     }
+}
+
+/// Reads a design. What the user has allowed is known from then on.
+fn open(
+    path: &Path,
+    choice: Option<OutsideChoice>,
+    config: Option<&Path>,
+) -> Result<(Opened, OwnImages), FileError> {
+    let known = config.map(KnownOutside::load).unwrap_or_default();
+    let outside = match choice {
+        None => Outside::Known(&known),
+        Some(OutsideChoice::Open) => Outside::Open,
+        Some(OutsideChoice::LeaveOut) => Outside::LeaveOut,
+    };
+    let opened = files::open_to_edit(path, outside)?;
+    if let (Some(OutsideChoice::Open), Some(config)) = (choice, config) {
+        // What cannot be noted is asked about again.
+        let _ = KnownOutside::note(config, path, &opened.0.outside);
+    }
+    Ok(opened)
 }

@@ -11,7 +11,7 @@ use crate::designer::shell::command::Command;
 use crate::designer::shell::dialogs::Purpose;
 use crate::designer::shell::questions::Question;
 use crate::designer::tasks::{Poll, Task};
-use crate::files::{self, FileError, OwnImages, is_bundle};
+use crate::files::{self, FileError, KnownOutside, OwnImages, UsedFile, is_bundle};
 
 /// How long saving may keep the window waiting, so that what is done at once is reported at once. What takes longer (a
 /// bundle with a large chart) goes on beside editing.
@@ -96,7 +96,14 @@ impl App {
                 .error("Not saved", format!("{fault}. {why}"));
             return;
         }
+        let path = files::absolute(&path);
+        let output = UsedFile::new(&path, "the file to save to");
+        if let Err(error) = files::check_apart(&self.document.image_files(), &[output]) {
+            self.filing.after_saving = None;
+            return self.shell.notices.error("Not saved", error.to_string());
+        }
         let carried = self.document.carried().clone();
+        let config = self.filing.folders.as_ref().map(|f| f.config.clone());
         let from = self.document.path().map(Path::to_path_buf);
         // What a copy's images are written to is no concern of the document's.
         let own_images = match is_copy {
@@ -106,7 +113,11 @@ impl App {
         let (to, written) = (path.clone(), design.clone());
         let task = Task::start(ctx, move || {
             let from = from.as_deref();
-            files::save_edited(&written, &carried, &to, from, &own_images)
+            let saved = files::save_edited(&written, &carried, &to, from, &own_images);
+            if let (Ok(_), Some(config)) = (&saved, config) {
+                KnownOutside::note_saved(&config, &to);
+            }
+            saved
         });
         self.filing.saving = Some(Saving {
             task,

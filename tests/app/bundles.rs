@@ -168,6 +168,8 @@ fn the_command_line_takes_bundles() {
             "--backend",
             "reference",
             "--quiet",
+            // The preset's images are in other folders.
+            "--allow-outside-images",
         ]);
         assert_eq!(done.status.code(), Some(0), "{done:?}");
         assert_eq!(text(&done.stderr), "");
@@ -218,7 +220,7 @@ fn a_picture_carries_its_design() {
 }
 
 #[test]
-fn large_images_stay_in_their_files_and_that_is_reported() {
+fn large_images_are_left_out_and_that_is_reported() {
     let shop = Workshop::new();
     // Three bytes a pixel that cannot be packed: 4.4 MB, just too large.
     write_noise(&shop.at("charts/Blüten muster.png"), 1400, 1100);
@@ -236,8 +238,6 @@ fn large_images_stay_in_their_files_and_that_is_reported() {
     let plain = fs::read(shop.at("plain.png")).unwrap();
     let picture = shop.at("picture.png");
     fs::write(&picture, png::with_chunks(plain, &embedded.chunks)).unwrap();
-    assert_same_cloth(&files::load_design(&picture).unwrap(), &design);
-    shop.remove_sources();
     let opened = files::open_design(&picture).unwrap();
     assert_eq!(opened.design.chart.pixels, None);
     assert_eq!(opened.design.light.environment.kind, EnvironmentKind::Image);

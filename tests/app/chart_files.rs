@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use renderer_core::design::chart_edit::draw_line;
 use renderer_core::design::{ChartImage, Design};
-use towel_designer::files::{self, Carried, OwnImages};
+use towel_designer::files::{self, Carried, Outside, OwnImages};
 
 const NAVY: [u8; 4] = [20, 30, 90, 255];
 
@@ -49,7 +49,7 @@ fn a_painted_chart_is_written_beside_its_preset_and_comes_back() {
     assert!(text.contains("\"Möwe-chart.png\""), "{text}");
 
     // Opened to be edited it is the design's own again, so that no state of the history depends on the file.
-    let (opened, again) = files::open_to_edit(&preset).unwrap();
+    let (opened, again) = files::open_to_edit(&preset, Outside::Open).unwrap();
     assert_eq!(opened.design.chart.image, None);
     assert_eq!(opened.design, design);
 
@@ -64,7 +64,7 @@ fn a_painted_chart_is_written_beside_its_preset_and_comes_back() {
     }
     let mut repainted = painted([200, 30, 30, 255]);
     repainted.chart.colour.0 = [1, 2, 3];
-    let known = files::open_to_edit(&preset).unwrap().1;
+    let known = files::open_to_edit(&preset, Outside::Open).unwrap().1;
     save(&repainted, &preset, &known);
     assert_eq!(
         names(folder.path()).len(),
@@ -86,14 +86,14 @@ fn no_file_of_others_is_written() {
     assert!(at("a-chart-2.png").exists());
 
     // Another preset's chart: saved under another name, a design gets a chart of its own.
-    let (mut opened, known) = files::open_to_edit(&at("a.toml")).unwrap();
+    let (mut opened, known) = files::open_to_edit(&at("a.toml"), Outside::Open).unwrap();
     opened.design.chart.pixels = painted([9; 4]).chart.pixels;
     save(&opened.design, &at("b.toml"), &known);
     assert_eq!(Some(chart_of(&at("a.toml"))), painted(NAVY).chart.pixels);
     assert_eq!(Some(chart_of(&at("b.toml"))), opened.design.chart.pixels);
 
     // Somebody has drawn on our file meanwhile.
-    let (mut opened, known) = files::open_to_edit(&at("b.toml")).unwrap();
+    let (mut opened, known) = files::open_to_edit(&at("b.toml"), Outside::Open).unwrap();
     let mut drawn = fs::read(at("b-chart.png")).unwrap();
     drawn.extend(b"more");
     fs::write(at("b-chart.png"), &drawn).unwrap();
@@ -104,7 +104,7 @@ fn no_file_of_others_is_written() {
 
     // A copy of a preset made by a file manager shares the chart with it; what is saved from it does not.
     fs::copy(at("a.toml"), at("copy.toml")).unwrap();
-    let (opened, _) = files::open_to_edit(&at("copy.toml")).unwrap();
+    let (opened, _) = files::open_to_edit(&at("copy.toml"), Outside::Open).unwrap();
     assert!(opened.design.chart.image.is_some());
     let mut design = opened.design;
     (design.chart.image, design.chart.pixels) = (None, painted([7; 4]).chart.pixels);

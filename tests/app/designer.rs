@@ -10,6 +10,7 @@ mod driving;
 mod export;
 mod filing;
 mod form;
+mod handing_on;
 mod legible;
 mod light;
 mod looks;

@@ -9,7 +9,7 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 
-use towel_designer::files::{self, FileError, Outline};
+use towel_designer::files::{self, FileError, KnownOutside, Outline};
 
 const SMALL: &str = "format = 1\n[sheet]\nwarps = 12\nwefts = 10\n[pile]\nvariants = 1\nlayers = 2\nresolution = 4\n\
                      [quality]\nmethod = 'single'\nbounces = 1\nsamples = 1\n";
@@ -205,9 +205,16 @@ fn lists_of_presets_pass_over_what_cannot_be_read() {
     )
     .unwrap();
     for name in ["pipe.toml", "zero.toml", "zero.towel"] {
-        assert_eq!(Outline::of_file(&at(name)), Outline::default(), "{name}");
+        assert_eq!(
+            Outline::of_file(&at(name), &KnownOutside::default()),
+            Outline::default(),
+            "{name}"
+        );
     }
-    assert_eq!(Outline::of_file(&at("image.toml")).comment, "Seen.");
+    assert_eq!(
+        Outline::of_file(&at("image.toml"), &KnownOutside::default()).comment,
+        "Seen."
+    );
 }
 
 #[test]

@@ -15,19 +15,26 @@ mod environment;
 mod gpu;
 mod height;
 mod inputs;
+#[cfg(target_os = "linux")]
+mod killed;
 mod nap;
+mod outside;
 mod picture_file;
 mod pictures;
 mod presets;
 mod recovery;
 mod repacked;
 mod window;
+#[cfg(target_os = "linux")]
+mod writing;
 
 /// What the tests share: a display that nobody sees, small scenes, rendering to the end.
 #[path = "../support"]
 mod support {
     pub mod display;
     pub mod drawing;
+    #[cfg(target_os = "linux")]
+    pub mod faults;
     pub mod file_drop;
     pub mod mutate;
     pub mod picture_files;

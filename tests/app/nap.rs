@@ -4,7 +4,7 @@ use std::fs;
 
 use renderer_core::design::nap_edit::{UPRIGHT, comb};
 use renderer_core::design::{ChartImage, Design};
-use towel_designer::files::{self, Carried, OwnImages};
+use towel_designer::files::{self, Carried, Outside, OwnImages};
 
 #[test]
 fn a_combed_map_is_written_beside_its_preset_and_comes_back() {
@@ -28,7 +28,7 @@ fn a_combed_map_is_written_beside_its_preset_and_comes_back() {
         names
     };
     assert_eq!(names(), ["rug-chart.png", "rug-nap.png", "rug.toml"]);
-    let (opened, again) = files::open_to_edit(&preset).unwrap();
+    let (opened, again) = files::open_to_edit(&preset, Outside::Open).unwrap();
     assert_eq!(opened.design, design);
     // Neither image is written again while it stays the same.
     let written = |name: &str| {

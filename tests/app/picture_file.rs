@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use renderer_core::design::Design;
 use renderer_core::geometry::Camera;
-use renderer_core::image::{Depth, Display, ExrLayer, Picture};
+use renderer_core::image::{About, Depth, Display, ExrLayer, Picture};
 use renderer_core::render::{
     Backend, BackendKind, Counters, Progress, RenderError, RenderRequest, Settings,
 };
@@ -254,6 +254,7 @@ fn order(size: [u32; 2], samples: u32, format: Format) -> PictureOrder {
         format,
         display: Display::from(&design.view),
         transparent: None,
+        about: About::default(),
         chunks: Vec::new(),
         band_bytes: 1 << 30,
     }

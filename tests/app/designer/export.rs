@@ -137,11 +137,11 @@ impl Exports {
 }
 
 /// A designer whose exports are gray and end at once.
-fn with_gray(preset: Option<&Path>) -> Harness<'static, App> {
+pub(super) fn with_gray(preset: Option<&Path>) -> Harness<'static, App> {
     Exports::default().window(preset)
 }
 
-fn open(harness: &mut Harness<'_, App>) {
+pub(super) fn open(harness: &mut Harness<'_, App>) {
     harness.key_press_modifiers(Modifiers::COMMAND, Key::E);
     harness.run_steps(5);
 }
@@ -155,7 +155,7 @@ fn size(harness: &Harness<'_, App>) -> [f64; 2] {
     ["Export width", "Export height"].map(|label| number(harness, label))
 }
 
-fn export_to(harness: &mut Harness<'_, App>, path: &Path) {
+pub(super) fn export_to(harness: &mut Harness<'_, App>, path: &Path) {
     click(harness, "Choose file and export…");
     type_path(harness, path);
     click(harness, "Save file");

@@ -13,7 +13,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use renderer_core::design::Design;
 use towel_designer::designer::{App, Folders, Setup};
-use towel_designer::files::{self, Carried};
+use towel_designer::files::{self, Carried, KnownOutside};
 
 use crate::support::png;
 
@@ -23,14 +23,14 @@ use super::{
 };
 
 /// A user with a home of their own.
-struct User(tempfile::TempDir);
+pub(super) struct User(tempfile::TempDir);
 
 impl User {
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         Self(tempfile::tempdir().expect("a folder"))
     }
 
-    fn at(&self, name: &str) -> PathBuf {
+    pub(super) fn at(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
     }
 
@@ -39,7 +39,7 @@ impl User {
     }
 
     /// Starts the designer; a harness dropped without being asked to quit is a program that died.
-    fn start(&self, preset: Option<PathBuf>) -> Harness<'static, App> {
+    pub(super) fn start(&self, preset: Option<PathBuf>) -> Harness<'static, App> {
         window(vec2(1280.0, 900.0), self.setup(preset))
     }
 
@@ -52,7 +52,7 @@ impl User {
     }
 
     /// A preset with a chart beside it.
-    fn preset(&self, name: &str) -> PathBuf {
+    pub(super) fn preset(&self, name: &str) -> PathBuf {
         let path = self.at(name);
         write_chart(&self.at("chart.png"));
         let text =
@@ -61,7 +61,7 @@ impl User {
         path
     }
 
-    fn names(&self, folder: &str) -> Vec<String> {
+    pub(super) fn names(&self, folder: &str) -> Vec<String> {
         let entries = fs::read_dir(self.at(folder)).into_iter().flatten();
         let mut names: Vec<String> = entries
             .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
@@ -73,30 +73,30 @@ impl User {
 
 /// Waits until the document has this name.
 #[track_caller]
-fn wait_for_document(harness: &mut Harness<'_, App>, name: &str) {
+pub(super) fn wait_for_document(harness: &mut Harness<'_, App>, name: &str) {
     wait(harness, name, |h| h.state().document().name() == name);
     harness.run_steps(3);
 }
 
 #[track_caller]
-fn wait_for_label(harness: &mut Harness<'_, App>, label: &str) {
+pub(super) fn wait_for_label(harness: &mut Harness<'_, App>, label: &str) {
     wait(harness, label, |h| h.query_by_label(label).is_some());
     harness.run_steps(2);
 }
 
 /// Whether a text that contains this is shown.
-fn is_reported(harness: &Harness<'_, App>, part: &str) -> bool {
+pub(super) fn is_reported(harness: &Harness<'_, App>, part: &str) -> bool {
     harness.query_all_by_label_contains(part).count() > 0
 }
 
-fn key(harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key) {
+pub(super) fn key(harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key) {
     harness.key_press_modifiers(modifiers, key);
     harness.run_steps(3);
 }
 
 /// Chooses a line of the File menu.
 #[track_caller]
-fn file_menu(harness: &mut Harness<'_, App>, line: &str) {
+pub(super) fn file_menu(harness: &mut Harness<'_, App>, line: &str) {
     click(harness, "File");
     // With the keys, if it has some.
     harness.get_by_label_contains(line).click();
@@ -293,13 +293,16 @@ fn pictures_of_presets_are_drawn_once() {
     drop(harness);
     let before = kept(&user);
     assert!(before >= 1);
-    let content = files::Outline::of_file(&presets.join("one.toml"));
+    let content = files::Outline::of_file(&presets.join("one.toml"), &KnownOutside::default());
     assert_eq!(content.comment, "Stripes for a test.");
     // Another chart, another picture, though the preset's text is the same.
     image::RgbImage::new(3, 3)
         .save(presets.join("chart.png"))
         .unwrap();
-    assert_ne!(files::Outline::of_file(&presets.join("one.toml")), content);
+    assert_ne!(
+        files::Outline::of_file(&presets.join("one.toml"), &KnownOutside::default()),
+        content
+    );
 }
 
 #[test]

@@ -28,7 +28,7 @@ use renderer_core::design::Design;
 use renderer_core::render::Backend;
 use towel_designer::backend::{self, BackendChoice};
 use towel_designer::cli::arguments::{self, BadArgument};
-use towel_designer::files::{self, FileError};
+use towel_designer::files::{self, FileError, UsedFile};
 
 use crate::conditions::Conditions;
 use crate::measure::{Findings, Subject, measure, name_of};
@@ -79,7 +79,7 @@ pub struct BenchArguments {
 /// # Errors
 /// When a preset has faults, or a backend or a file refuses.
 pub fn run(arguments: &BenchArguments) -> anyhow::Result<()> {
-    let presets = load(&arguments.presets)?;
+    let (presets, read) = load(&arguments.presets)?;
     let parts = chosen(&arguments.what);
     let folder = &arguments.output;
     fs::create_dir_all(folder).map_err(|source| FileError::Write {
@@ -87,7 +87,9 @@ pub fn run(arguments: &BenchArguments) -> anyhow::Result<()> {
         source,
     })?;
     for name in written::names(&parts) {
-        files::check_writable(&folder.join(name))?;
+        let file = folder.join(name);
+        files::check_apart(&read, &[UsedFile::new(&file, "a file of results")])?;
+        files::check_writable(&file)?;
     }
     let mut backend = backend::make(arguments.backend)?;
     let conditions = Conditions {
@@ -116,9 +118,10 @@ pub fn run(arguments: &BenchArguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Reads all presets before any is measured.
-fn load(paths: &[PathBuf]) -> anyhow::Result<Vec<(String, Design)>> {
+/// Reads all presets before any is measured; also the files that they were read from.
+fn load(paths: &[PathBuf]) -> anyhow::Result<(Vec<(String, Design)>, Vec<UsedFile>)> {
     let mut presets: Vec<(String, Design)> = Vec::new();
+    let mut read = Vec::new();
     for path in paths {
         let name = name_of(path);
         if presets.iter().any(|(other, _)| *other == name) {
@@ -128,9 +131,11 @@ fn load(paths: &[PathBuf]) -> anyhow::Result<Vec<(String, Design)>> {
             ))
             .into());
         }
-        presets.push((name, files::load_design(path)?));
+        let opened = files::open_design(path)?;
+        read.extend(opened.read);
+        presets.push((name, opened.design));
     }
-    Ok(presets)
+    Ok((presets, read))
 }
 
 /// One preset on the bench.

@@ -21,7 +21,7 @@ use serde::Serialize;
 use towel_designer::backend::{self, BackendChoice};
 use towel_designer::cli::arguments;
 use towel_designer::clock::{Spent, timed};
-use towel_designer::files;
+use towel_designer::files::{self, UsedFile};
 
 /// How long a backend may work before it is asked again: longer than any sample.
 const SLICE: Duration = Duration::from_secs(600);
@@ -144,6 +144,11 @@ pub fn run(arguments: &EditsArguments) -> anyhow::Result<()> {
     });
     let edited: Vec<(String, Design)> = edited.collect::<anyhow::Result<_>>()?;
     if let Some(output) = &arguments.output {
+        let opened = files::open_design_with(&arguments.preset, &arguments.set)?;
+        files::check_apart(
+            &opened.read,
+            &[UsedFile::new(output, "the file to write (-o)")],
+        )?;
         files::check_writable(output)?;
     }
     let mut session = Session {

@@ -10,6 +10,9 @@ use towel_designer::files::{self, Origin};
 
 use crate::bundles::archive;
 
+/// Names and contents of the members of an archive.
+type Members<'a> = &'a [(&'a str, &'a [u8])];
+
 /// Composed, as most systems write it, and in letters and accents, as macOS does.
 const COMPOSED: &str = "Blüte é.png";
 const APART: &str = "Blu\u{308}te e\u{301}.png";
@@ -49,7 +52,7 @@ fn bundles_packed_again_open() {
     let dotted = preset("./charts/chart.png");
     let backslashed = preset("charts\\chart.png");
     let (composed, apart) = (preset(COMPOSED), preset(APART));
-    let cases: [(&str, &[(&str, &[u8])]); 11] = [
+    let cases: [(&str, Members<'_>); 11] = [
         (
             "as written",
             &[("preset.toml", plain), ("chart.png", chart)],

@@ -23,6 +23,8 @@ impl Shelf {
 
     fn put(&self, name: &str, bytes: &[u8]) -> PathBuf {
         let path = self.0.path().join(name);
+        // Some file systems wait for the disk where a file is written over, but not for a new one.
+        let _ = fs::remove_file(&path);
         fs::write(&path, bytes).unwrap();
         path
     }

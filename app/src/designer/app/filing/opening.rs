@@ -94,7 +94,7 @@ impl App {
                 self.take_opened(path, opened, own_images);
             }
             Some(Loaded::Design(path, Err(FileError::Outside { images, .. }))) => {
-                self.ask_about_outside(path, &images);
+                self.ask_about_outside(&path, &images);
             }
             Some(Loaded::Design(path, Err(error))) => self.tell_not_opened(&path, &error),
             Some(Loaded::Image(slot, path, Ok(image))) => self.take_image(slot, &path, image),
@@ -153,7 +153,7 @@ impl App {
     }
 
     /// Asks whether a design may open images outside its folder.
-    fn ask_about_outside(&mut self, path: PathBuf, images: &[OutsideImage]) {
+    fn ask_about_outside(&mut self, path: &Path, images: &[OutsideImage]) {
         let name = path.file_name().unwrap_or(path.as_os_str());
         let list: Vec<String> = images.iter().map(OutsideImage::sentence).collect();
         let text = format!(
@@ -161,7 +161,7 @@ impl App {
             name.to_string_lossy(),
             list.join("\n")
         );
-        let answer = |choice| Command::OpenPresetWith(path.clone(), choice);
+        let answer = |choice| Command::OpenPresetWith(path.to_owned(), choice);
         let question = Question::new("Open images from elsewhere?", text)
             .answer("Open them", answer(OutsideChoice::Open))
             .answer("Open without them", answer(OutsideChoice::LeaveOut));

@@ -10,6 +10,7 @@ mod advice;
 mod bundles;
 mod chart_files;
 mod cli;
+mod damaged_designs;
 mod designer;
 mod environment;
 mod gpu;

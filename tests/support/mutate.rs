@@ -19,6 +19,28 @@ const EDGES: [u32; 12] = [
     0xffff_ffff,
 ];
 
+/// Values that a field is set to.
+const VALUES: [&str; 18] = [
+    "0",
+    "-1",
+    "-0.0",
+    "1",
+    "2",
+    "0.5",
+    "7",
+    "64",
+    "1e300",
+    "1e-300",
+    "nan",
+    "-inf",
+    "9223372036854775807",
+    "true",
+    "\"\"",
+    "\"../../../etc/passwd\"",
+    "[[7]]",
+    "{}",
+];
+
 impl Mutator {
     /// The changes of a seed.
     pub fn new(seed: u64) -> Self {
@@ -45,6 +67,31 @@ impl Mutator {
             self.change(&mut file, others);
         }
         file
+    }
+
+    /// A text of lines `name = value` with one to three lines changed as a hand or another program changes them.
+    pub fn mutated_text(&mut self, text: &[u8]) -> Vec<u8> {
+        let text = String::from_utf8_lossy(text);
+        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        for _ in 0..=self.below(3) {
+            if !lines.is_empty() {
+                self.change_line(&mut lines);
+            }
+        }
+        lines.join("\n").into_bytes()
+    }
+
+    fn change_line(&mut self, lines: &mut Vec<String>) {
+        let (at, other) = (self.below(lines.len()), self.below(lines.len()));
+        let name = lines[at].split('=').next().unwrap_or_default().trim();
+        let of_other = lines[other].split('=').nth(1).unwrap_or("0").trim();
+        match self.below(8) {
+            0 => drop(lines.remove(at)),
+            1 => lines.insert(at, lines[other].clone()),
+            2 => lines.swap(at, other),
+            3 | 4 => lines[at] = format!("{name} = {of_other}"),
+            _ => lines[at] = format!("{name} = {}", VALUES[self.below(VALUES.len())]),
+        }
     }
 
     fn place(&mut self, length: usize) -> usize {

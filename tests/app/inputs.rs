@@ -77,6 +77,30 @@ fn presets_and_bundles_come_through_pipes() {
 }
 
 #[test]
+fn images_of_a_piped_preset_are_looked_for_where_the_program_works() {
+    let folder = tempfile::tempdir().unwrap();
+    let image = image::RgbImage::new(4, 2);
+    image.save(folder.path().join("chart.png")).unwrap();
+    let preset = format!("{SMALL}[chart]\nimage = \"chart.png\"\n");
+    let mut check = program()
+        .args(["check", "/dev/stdin"])
+        .current_dir(folder.path())
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    check
+        .stdin
+        .take()
+        .unwrap()
+        .write_all(preset.as_bytes())
+        .unwrap();
+    let output = check.wait_with_output().unwrap();
+    assert!(output.status.success(), "{}", said(&output));
+}
+
+#[test]
 fn a_pipe_with_a_name_is_read_when_somebody_writes() {
     let folder = tempfile::tempdir().unwrap();
     let pipe = folder.path().join("pipe");

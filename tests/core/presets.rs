@@ -96,7 +96,9 @@ fn hand_editors_find_units_ranges_and_rows() {
         "lean_x        = 0.0          # °, -75 to 75: Lean of all loops along the weft: the nap.",
         "    [7, 0],",
         "    [0, 7],",
-        "# image   =            # Path of the image, relative to the preset; no image means one colour.",
+        "# image   =            # Path of the image, relative to the preset: PNG, JPEG, WebP, GIF, BMP, \
+         TIFF, TGA or PPM, by its colour profile or as sRGB. Each palette entry is a yarn: of two with \
+         one colour the second is changed by the smallest step. No image means one colour.",
         "[[light.sun]]",
     ];
     for line in lines {

@@ -246,9 +246,14 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The folder that the file is in.
+    /// The folder that the file is in: for what another program hands over, which is in none, the one that the program
+    /// works in.
     fn folder(&self) -> &Path {
-        self.path.parent().unwrap_or(Path::new(""))
+        let is_handed_over = ["/dev", "/proc"]
+            .iter()
+            .any(|root| self.path.starts_with(root));
+        let folder = self.path.parent().filter(|_| !is_handed_over);
+        folder.unwrap_or(Path::new(""))
     }
 
     /// The design that the text says, without its images, and what of the text means nothing any more.

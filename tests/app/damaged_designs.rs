@@ -146,7 +146,7 @@ fn designs_changed_at_random_are_opened_and_kept_or_refused() {
         .and_then(|count| count.parse().ok());
     let inputs = count.unwrap_or(INPUTS);
     let (shop, presets) = (Workshop::new(), presets());
-    let texts: Vec<&[u8]> = presets.iter().map(|text| text.as_bytes()).collect();
+    let texts: Vec<&[u8]> = presets.iter().map(String::as_bytes).collect();
     for container in [Container::Preset, Container::Bundle, Container::Picture] {
         let file = shop.at(container.name());
         fs::write(&file, container.file(texts[texts.len() - 1])).expect("written");

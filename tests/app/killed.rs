@@ -299,7 +299,7 @@ fn a_kill_at_any_moment_harms_no_file() {
             Some(9),
             "{what}"
         );
-        println!("{what}: {:?}", names(folder));
+        eprintln!("{what}: {:?}", names(folder));
         (victim.check)(folder);
         let drafts = names(folder)
             .iter()

@@ -469,6 +469,11 @@ fn write_beside(preset: &Path, image: &Image) -> Result<String, FileError> {
     let stem = name.file_stem().unwrap_or(name.as_os_str());
     let stem = stem.to_string_lossy();
     let ending = name.extension().unwrap_or_default().to_string_lossy();
+    let is_same = |found: &fs::Metadata, file: &Path| {
+        found.is_file()
+            && found.len() == image.bytes.len() as u64
+            && fs::read(file).is_ok_and(|bytes| *bytes == *image.bytes)
+    };
     for number in 1..=MOST_NAMES {
         let name = match number {
             1 => name_of_parts(&stem, &format!(".{ending}")),
@@ -480,11 +485,7 @@ fn write_beside(preset: &Path, image: &Image) -> Result<String, FileError> {
                 write_atomically(&file, &image.bytes)?;
                 return Ok(name);
             }
-            Ok(found) if found.len() == image.bytes.len() as u64 && found.is_file() => {
-                if fs::read(&file).is_ok_and(|bytes| *bytes == *image.bytes) {
-                    return Ok(name);
-                }
-            }
+            Ok(found) if is_same(&found, &file) => return Ok(name),
             _ => {}
         }
     }

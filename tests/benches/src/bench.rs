@@ -118,9 +118,12 @@ pub fn run(arguments: &BenchArguments) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// A design by the name that its results go by.
+type Named = (String, Design);
+
 /// Reads all presets before any is measured; also the files that they were read from.
-fn load(paths: &[PathBuf]) -> anyhow::Result<(Vec<(String, Design)>, Vec<UsedFile>)> {
-    let mut presets: Vec<(String, Design)> = Vec::new();
+fn load(paths: &[PathBuf]) -> anyhow::Result<(Vec<Named>, Vec<UsedFile>)> {
+    let mut presets: Vec<Named> = Vec::new();
     let mut read = Vec::new();
     for path in paths {
         let name = name_of(path);

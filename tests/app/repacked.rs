@@ -14,8 +14,8 @@ use crate::bundles::archive;
 type Members<'a> = &'a [(&'a str, &'a [u8])];
 
 /// Composed, as most systems write it, and in letters and accents, as macOS does.
-const COMPOSED: &str = "Blüte é.png";
-const APART: &str = "Blu\u{308}te e\u{301}.png";
+const COMPOSED: &str = "Blüten é.png";
+const APART: &str = "Blu\u{308}ten e\u{301}.png";
 
 fn chart() -> Vec<u8> {
     let mut png = std::io::Cursor::new(Vec::new());

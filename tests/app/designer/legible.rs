@@ -3,7 +3,7 @@
 //!
 //! What is looked at are the shapes that egui is about to draw, so there is nothing to tolerate but rounding to pixels.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use egui::epaint::{ClippedShape, Shape};
 use egui::{Key, Rect, Theme, vec2};
@@ -172,16 +172,16 @@ fn menus_are_no_higher_than_the_smallest_window() {
         let places = |harness: &Harness<'_, App>| -> BTreeSet<String> {
             let controls = harness.root().children_recursive();
             let controls = controls.filter(states::takes_focus);
-            controls.map(|node| place_of(&node, false)).collect()
+            controls.map(|node| place_of(&node)).collect()
         };
         let before = places(&harness);
         click(&mut harness, menu);
         let window = Rect::from_min_size(Pos2::ZERO, SMALLEST);
         let mut lines = 0;
         for node in harness.root().children_recursive() {
-            if states::takes_focus(&node) && !before.contains(&place_of(&node, false)) {
+            if states::takes_focus(&node) && !before.contains(&place_of(&node)) {
                 lines += 1;
-                let place = place_of(&node, false);
+                let place = place_of(&node);
                 assert!(window.contains_rect(node.rect()), "{menu}: {place}");
             }
         }
@@ -257,15 +257,36 @@ fn what_is_cut_off_or_overlaps_is_seen() {
     assert_eq!(faults.len(), 3, "{faults:?}");
 }
 
-/// What a control is called and, where nothing scrolls, where it is.
-fn place_of(node: &egui_kittest::Node<'_>, scrolls: bool) -> String {
-    let name = node.accesskit_node().label().unwrap_or_default();
-    let role = node.accesskit_node().role();
-    if scrolls {
-        format!("{role:?} “{name}”")
-    } else {
-        format!("{role:?} “{name}” at {:?}", node.rect())
-    }
+/// What a control is called and where it is.
+fn place_of(node: &egui_kittest::Node<'_>) -> String {
+    let (name, role) = (node.accesskit_node().label(), node.accesskit_node().role());
+    format!(
+        "{role:?} “{}” at {:?}",
+        name.unwrap_or_default(),
+        node.rect()
+    )
+}
+
+/// What each control that takes the keyboard is called, and whether it has it. Where nothing scrolls, so that all of them
+/// are there, those of one name are counted; places are none, since what is reported beside a control may move it.
+fn controls(harness: &Harness<'static, App>, scrolls: bool) -> Vec<(String, bool)> {
+    let mut counts = BTreeMap::new();
+    let root = harness.root();
+    let takers = root.children_recursive().filter(states::takes_focus);
+    takers
+        .map(|node| {
+            let node = node.accesskit_node();
+            let (role, name) = (node.role(), node.label().unwrap_or_default());
+            let name = format!("{role:?} “{name}”");
+            let count: &mut u32 = counts.entry(name.clone()).or_default();
+            *count += 1;
+            let called = match scrolls {
+                true => name,
+                false => format!("{name}, number {count}"),
+            };
+            (called, node.is_focused())
+        })
+        .collect()
 }
 
 /// So many presses without anything new, and the focus has come round or is caught somewhere.
@@ -273,11 +294,9 @@ const ROUND: u32 = 30;
 
 /// Presses Tab until the focus comes round again, and tells which controls it never came to.
 fn never_reached(harness: &mut Harness<'static, App>, scrolls: bool) -> Vec<String> {
-    let all: BTreeSet<String> = harness
-        .root()
-        .children_recursive()
-        .filter(states::takes_focus)
-        .map(|node| place_of(&node, scrolls))
+    let all: BTreeSet<String> = controls(harness, scrolls)
+        .into_iter()
+        .map(|(called, _)| called)
         .collect();
     assert!(all.len() > 20, "few controls: {all:?}");
     let mut reached = BTreeSet::new();
@@ -285,11 +304,9 @@ fn never_reached(harness: &mut Harness<'static, App>, scrolls: bool) -> Vec<Stri
     while without_news < ROUND {
         harness.key_press(Key::Tab);
         harness.run_steps(2);
-        let focused = harness
-            .root()
-            .children_recursive()
-            .find(|node| node.accesskit_node().is_focused())
-            .map(|node| place_of(&node, scrolls));
+        let focused = controls(harness, scrolls)
+            .into_iter()
+            .find_map(|(called, has_focus)| has_focus.then_some(called));
         let is_new = focused.is_some_and(|place| reached.insert(place));
         without_news = if is_new { 0 } else { without_news + 1 };
     }

@@ -7,6 +7,8 @@ use renderer_core::design::chart_edit::draw_line;
 use renderer_core::design::{ChartImage, Design};
 use towel_designer::files::{self, Carried, Outside, OwnImages};
 
+use crate::support::folders::names_in;
+
 const NAVY: [u8; 4] = [20, 30, 90, 255];
 
 fn painted(colour: [u8; 4]) -> Design {
@@ -21,16 +23,6 @@ fn save(design: &Design, to: &Path, known: &OwnImages) -> OwnImages {
     files::save_edited(design, &Carried::default(), to, None, known).expect("saved")
 }
 
-/// The names of the files in a folder, in order.
-fn names(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).unwrap();
-    let mut names: Vec<String> = entries
-        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-        .collect();
-    names.sort();
-    names
-}
-
 /// What a preset shows when it is opened.
 fn chart_of(preset: &Path) -> ChartImage {
     let design = files::load_design(preset).expect("a preset");
@@ -43,7 +35,7 @@ fn a_painted_chart_is_written_beside_its_preset_and_comes_back() {
     let preset = folder.path().join("Möwe.toml");
     let design = painted(NAVY);
     let own = save(&design, &preset, &OwnImages::default());
-    assert_eq!(names(folder.path()), ["Möwe-chart.png", "Möwe.toml"]);
+    assert_eq!(names_in(folder.path()), ["Möwe-chart.png", "Möwe.toml"]);
     assert_eq!(Some(chart_of(&preset)), design.chart.pixels);
     let text = fs::read_to_string(&preset).unwrap();
     assert!(text.contains("\"Möwe-chart.png\""), "{text}");
@@ -67,7 +59,7 @@ fn a_painted_chart_is_written_beside_its_preset_and_comes_back() {
     let known = files::open_to_edit(&preset, Outside::Open).unwrap().1;
     save(&repainted, &preset, &known);
     assert_eq!(
-        names(folder.path()).len(),
+        names_in(folder.path()).len(),
         2,
         "its own file is written again"
     );
@@ -123,5 +115,5 @@ fn a_preset_that_cannot_be_written_leaves_its_chart_as_it_was() {
     let failed = files::save_edited(&painted(NAVY), &Carried::default(), &preset, None, &none);
     let message = failed.expect_err("a folder").to_string();
     assert!(message.contains("x.toml"), "{message}");
-    assert_eq!(names(folder.path()), ["x.toml"]);
+    assert_eq!(names_in(folder.path()), ["x.toml"]);
 }

@@ -22,8 +22,14 @@ fn program() -> Command {
 
 /// What the program says when it is given this through its standard input.
 fn piped(arguments: &[&str], input: &[u8]) -> Output {
+    piped_in(Path::new("."), arguments, input)
+}
+
+/// As [`piped`], of a program that works in a folder.
+fn piped_in(folder: &Path, arguments: &[&str], input: &[u8]) -> Output {
     let mut child = program()
         .args(arguments)
+        .current_dir(folder)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -82,21 +88,7 @@ fn images_of_a_piped_preset_are_looked_for_where_the_program_works() {
     let image = image::RgbImage::new(4, 2);
     image.save(folder.path().join("chart.png")).unwrap();
     let preset = format!("{SMALL}[chart]\nimage = \"chart.png\"\n");
-    let mut check = program()
-        .args(["check", "/dev/stdin"])
-        .current_dir(folder.path())
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    check
-        .stdin
-        .take()
-        .unwrap()
-        .write_all(preset.as_bytes())
-        .unwrap();
-    let output = check.wait_with_output().unwrap();
+    let output = piped_in(folder.path(), &["check", "/dev/stdin"], preset.as_bytes());
     assert!(output.status.success(), "{}", said(&output));
 }
 
@@ -127,14 +119,15 @@ fn a_pipe_with_a_name_is_read_when_somebody_writes() {
 
 /// What opening a path says; it must come to an end.
 fn refusal(path: &Path) -> String {
-    let (sender, told) = std::sync::mpsc::channel();
+    let (sender, answer) = std::sync::mpsc::channel();
     let of = path.to_owned();
     std::thread::spawn(move || {
         let error = files::open_design(&of).expect_err("refused");
         assert!(matches!(error, FileError::Read { .. }), "{error}");
         let _ = sender.send(error.to_string());
     });
-    told.recv_timeout(AT_ONCE)
+    answer
+        .recv_timeout(AT_ONCE)
         .unwrap_or_else(|_| panic!("{} is still read", path.display()))
 }
 
@@ -155,10 +148,10 @@ fn what_is_no_file_is_refused_with_what_it_is() {
         (folder.path(), "a folder"),
         (&pipe, "nothing wrote to"),
     ] {
-        let told = refusal(path);
+        let message = refusal(path);
         assert!(
-            told.contains(what) && told.contains(path.to_str().unwrap()),
-            "{told}"
+            message.contains(what) && message.contains(path.to_str().unwrap()),
+            "{message}"
         );
     }
 }

@@ -2,7 +2,7 @@
 //! is left lying is gone after the next run.
 //!
 //! A moment is a call that changes something on the disk, one by one or in the middle of a write: between them a kill
-//! changes nothing. Which of them, is drawn by chance from a fixed seed. TOWEL_KILLS says how many, 40 unless told.
+//! changes nothing. Which of them, is drawn by chance from a fixed seed. TOWEL_KILLS says how many, 40 unless it is set.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -16,6 +16,7 @@ use towel_designer::files::{
 };
 
 use crate::support::faults::{Fault, with_faults};
+use crate::support::folders::names_in;
 
 /// Names the folder of a child that plays a part of the program.
 const FOLDER: &str = "TOWEL_CHILD_FOLDER";
@@ -182,7 +183,7 @@ const VICTIMS: [Victim; 5] = [
         program: |folder| towel_designer(folder, &["export", "volume", "small.toml", "-o", "."]),
         check: |folder| {
             check_small(folder);
-            for name in names(folder) {
+            for name in names_in(folder) {
                 if name.starts_with("terry") {
                     image::open(folder.join(name)).expect("a whole layer");
                 }
@@ -234,15 +235,6 @@ const VICTIMS: [Victim; 5] = [
         names: &[],
     },
 ];
-
-fn names(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).unwrap();
-    let mut names: Vec<String> = entries
-        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-        .collect();
-    names.sort();
-    names
-}
 
 fn run(victim: &Victim, folder: &Path, faults: &[Fault<'_>]) -> Output {
     let mut program = (victim.program)(folder);
@@ -299,9 +291,9 @@ fn a_kill_at_any_moment_harms_no_file() {
             Some(9),
             "{what}"
         );
-        eprintln!("{what}: {:?}", names(folder));
+        eprintln!("{what}: {:?}", names_in(folder));
         (victim.check)(folder);
-        let drafts = names(folder)
+        let drafts = names_in(folder)
             .iter()
             .filter(|name| name.starts_with(".towel-draft-"))
             .count();
@@ -314,7 +306,7 @@ fn a_kill_at_any_moment_harms_no_file() {
             String::from_utf8_lossy(&done.stderr)
         );
         (victim.check)(folder);
-        let after = names(folder);
+        let after = names_in(folder);
         if victim.names.is_empty() {
             assert!(
                 !after.iter().any(|name| name.starts_with(".towel-draft-")),

@@ -37,6 +37,7 @@ mod support {
     #[cfg(target_os = "linux")]
     pub mod faults;
     pub mod file_drop;
+    pub mod folders;
     pub mod mutate;
     pub mod picture_files;
     pub mod png;

@@ -88,7 +88,7 @@ fn images_of_the_own_folder_open_and_others_do_not() {
         assert!(opened.design.chart.pixels.is_some());
         assert_eq!(opened.outside, []);
     }
-    // Not even looked for: who asks a host whether it has a file has told it of themselves.
+    // Not even looked for: who asks a host whether it has a file has said who they are.
     let whole = "/nowhere/at/all.png";
     let around = format!("{}/../out/far.png", bench.at("in").display());
     for image in [

@@ -9,6 +9,7 @@ use tempfile::TempDir;
 use towel_designer::files::{self, Carried, FileError, OwnImages, UsedFile};
 
 use crate::support::faults::{Fault, with_faults};
+use crate::support::folders::names_in;
 
 const SMALL: &str = "format = 1\nsheet = { warps = 12, wefts = 10 }\n\
                      pile = { variants = 2, layers = 3, resolution = 8 }\n\
@@ -67,12 +68,7 @@ impl Bench {
     }
 
     fn names(&self, folder: &str) -> Vec<String> {
-        let entries = fs::read_dir(self.at(folder)).unwrap();
-        let mut names: Vec<String> = entries
-            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .collect();
-        names.sort();
-        names
+        names_in(&self.at(folder))
     }
 }
 

@@ -136,7 +136,7 @@ fn what_is_checked_is_drawn_and_what_is_refused_is_refused_alike() {
     for number in 0..1000 {
         let design = random_design(&numbers, &mut random);
         let (checked, drawn) = (checked(&design), drawn(&design));
-        // Several faults are told at once where the design itself has them.
+        // Several faults are reported at once where the design itself has them.
         let first = |result: Result<(), String>| {
             result.map_err(|text| text.lines().next().map(str::to_owned))
         };

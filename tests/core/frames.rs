@@ -6,8 +6,8 @@ use glam::DVec3;
 use renderer_core::design::{Back, Design, Pattern};
 use renderer_core::sampling::Pcg;
 use renderer_core::scene::{
-    Face, FrameSettings, Jitter, LoopCounts, LoopFinish, LoopInput, LoopPatch, MAX_LEAN, MAX_SKEW,
-    MAX_TWIST, compile, loop_shape, warnings,
+    ChartYarns, Face, FrameSettings, Jitter, LoopCounts, LoopFinish, LoopInput, LoopPatch,
+    MAX_LEAN, MAX_SKEW, MAX_TWIST, compile, loop_shape, warnings,
 };
 
 /// f32 rounding of lengths up to some mm, a few operations.
@@ -480,12 +480,19 @@ fn what_was_changed_is_reported() {
     design.pile.base_width = 1.0;
     let scene = compile(&design).unwrap();
     assert_eq!(scene.loops.counts.repaired, scene.loops.counts.planted);
-    let message = warnings(&design, &scene);
+    let message = warnings(&design, &scene, &mut ChartYarns::default());
     assert!(
         message
             .iter()
             .any(|w| w.path == "pile" && w.text.contains("16800 of 16800")),
         "{message:?}"
     );
-    assert!(warnings(&plain(), &compile(&plain()).unwrap()).is_empty());
+    assert!(
+        warnings(
+            &plain(),
+            &compile(&plain()).unwrap(),
+            &mut ChartYarns::default()
+        )
+        .is_empty()
+    );
 }

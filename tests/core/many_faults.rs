@@ -1,4 +1,4 @@
-//! Presets with very many faults: the first hundred are told and the rest counted, in the time that reading takes.
+//! Presets with very many faults: the first hundred are reported and the rest counted, in the time that reading takes.
 
 use std::fmt::Write as _;
 
@@ -88,11 +88,11 @@ fn a_few_faults_are_told_to_the_last() {
 #[test]
 fn a_backslash_in_double_quotes_is_explained() {
     for path in [r"C:\Users\me\chart.png", r"charts\chart.png", r"\x.png"] {
-        let told = faults(&format!("format = 1\n[chart]\nimage = \"{path}\"\n"));
-        assert!(told[0].message.contains("backslash"), "{}", told[0]);
-        assert_eq!(told[0].line, 3);
+        let found = faults(&format!("format = 1\n[chart]\nimage = \"{path}\"\n"));
+        assert!(found[0].message.contains("backslash"), "{}", found[0]);
+        assert_eq!(found[0].line, 3);
     }
     // None elsewhere.
-    let told = faults("format = 1\n[chart\n");
-    assert!(!told[0].message.contains("backslash"), "{}", told[0]);
+    let found = faults("format = 1\n[chart\n");
+    assert!(!found[0].message.contains("backslash"), "{}", found[0]);
 }

@@ -38,7 +38,7 @@ fn with_counters(design: &Design, cached: u32) -> RenderRequest {
     request
 }
 
-/// The same picture, smaller.
+/// A request for a picture of [`SMALL`] pixels, else as given.
 fn smaller(request: RenderRequest) -> RenderRequest {
     RenderRequest {
         size: SMALL,

@@ -15,7 +15,7 @@ use renderer_core::geometry::Camera;
 use renderer_core::image::{Background, Depth, Display, ExrLayer};
 use renderer_core::render::{Backend, Optimisation, Optimisations, Settings};
 use renderer_core::scene::lod::{LodBudget, LodCloth, LodCompiler, LodPlan};
-use renderer_core::scene::{self, Cancel, CompileError, Compiler};
+use renderer_core::scene::{self, Cancel, ChartYarns, CompileError, Compiler};
 
 use super::arguments::{self, BadArgument};
 use super::read_design;
@@ -142,6 +142,7 @@ pub fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
     asked.warn(&scene::warnings(
         &asked.opened.design,
         &cloth.scenes.nearest,
+        &mut ChartYarns::default(),
     ));
 
     let order = asked.order(&cloth)?;

@@ -16,7 +16,7 @@ const ZIP: [[u8; 4]; 2] = [*b"PK\x03\x04", *b"PK\x05\x06"];
 /// How long to wait for somebody to open the other end of a pipe with a name.
 const WRITER_PATIENCE: Duration = Duration::from_secs(5);
 
-/// What a file holds, told by its first bytes, whatever its name.
+/// What a file holds by its first bytes, whatever its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Content {
     /// A zip archive.

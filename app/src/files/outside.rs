@@ -2,7 +2,7 @@
 //!
 //! A preset or a picture from a stranger may name any file of the machine that opens it, or of another machine (on
 //! Windows `\\host\share\…` alone tells that host who is there). So images are opened unasked only from the file's own
-//! folder and the folders in it. For others the window asks, and the command line wants to be told. What was allowed
+//! folder and the folders in it. For others the window asks, and the command line has a flag. What was allowed
 //! once, and what this program itself has saved, is known: the same file may open the same images again, here.
 
 use std::fmt;

@@ -53,7 +53,7 @@ impl Composed {
         Self { text, starts }
     }
 
-    /// The same without what these values of its `override` constants rule out, at the same lines.
+    /// The program without what these values of its `override` constants rule out, at the same lines.
     #[must_use]
     pub fn specialised(&self, overrides: &[(&str, f64)]) -> Self {
         Self {

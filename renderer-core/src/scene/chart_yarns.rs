@@ -14,7 +14,6 @@ pub struct ChartYarns {
 }
 
 /// What the loops on each pixel follow from.
-#[derive(PartialEq)]
 struct Laid {
     /// Without its pixels.
     chart: Chart,
@@ -41,37 +40,45 @@ impl ChartYarns {
     }
 
     fn loops_per_pixel(&mut self, design: &Design, image: &ChartImage) -> Arc<LoopsPerPixel> {
-        let laid = Laid {
-            chart: Chart {
-                pixels: None,
-                ..design.chart.clone()
-            },
-            size: [image.width(), image.height()],
-            weave: design.weave.clone(),
-            cells: [design.sheet.warps, design.sheet.wefts],
+        // Asked in every frame: a large pattern is compared, not copied.
+        let chart = Chart {
+            pixels: None,
+            ..design.chart.clone()
         };
-        match &self.loops {
-            Some((of, loops)) if *of == laid => loops.clone(),
-            _ => {
-                let chart = ChartOnSheet::new(&design.chart, &design.weave, laid.cells);
-                let loops = Arc::new(chart.loops_per_pixel(&design.weave, image));
-                self.loops = Some((laid, loops.clone()));
-                loops
-            }
+        let size = [image.width(), image.height()];
+        let cells = [design.sheet.warps, design.sheet.wefts];
+        if let Some((of, loops)) = &self.loops
+            && (of.size, of.cells) == (size, cells)
+            && of.chart == chart
+            && of.weave == design.weave
+        {
+            return loops.clone();
         }
+        let on_sheet = ChartOnSheet::new(&design.chart, &design.weave, cells);
+        let loops = Arc::new(on_sheet.loops_per_pixel(&design.weave, image));
+        let laid = Laid {
+            chart,
+            size,
+            weave: design.weave.clone(),
+            cells,
+        };
+        self.loops = Some((laid, loops.clone()));
+        loops
     }
 
     /// What of a design's chart no loop shows, or too few; `None` where all is well.
     pub fn warning(&mut self, design: &Design) -> Option<Warning> {
         let image = design.chart.pixels.as_ref()?;
-        let without = self.loops_per_pixel(design, image).share_without();
         let text = match self.of(design, image) {
             Some(yarns) => lost_yarns(yarns)?,
-            None if design.chart.fit == Fit::Stretch && without > MUCH_WITHOUT => {
-                format!(
-                    "{:.0} % of the chart's pixels lie on no loop: fine detail is lost",
-                    100.0 * without
-                )
+            None if design.chart.fit == Fit::Stretch => {
+                let without = self.loops_per_pixel(design, image).share_without();
+                (without > MUCH_WITHOUT).then(|| {
+                    let percent = 100.0 * without;
+                    format!(
+                        "{percent:.0} % of the chart's pixels lie on no loop: fine detail is lost"
+                    )
+                })?
             }
             None => return None,
         };

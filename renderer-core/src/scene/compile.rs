@@ -29,7 +29,6 @@ use std::time::Instant;
 use super::cancel::{Cancel, Cancelled};
 use super::chart::ChartOnSheet;
 use super::chart_yarns::ChartYarns;
-use super::cost::costs;
 use super::faces::LoopSpacing;
 use super::finish::{Finishing, wet_pile};
 use super::frames::FrameRules;
@@ -43,12 +42,13 @@ use super::skeleton::RootHeights;
 use super::turbulence::TurbulenceField;
 use super::types::heights_mm;
 use super::volumes::rasterise_unless_cancelled;
+use super::warnings::warnings_of_loops;
 use super::{
-    CellSet, FormMesh, Lights, LoopCounts, LoopLook, Loops, PileOptics, Scene, Section,
-    SheetGeometry, Skeleton, VisibleCells, Volumes,
+    CellSet, FormMesh, Lights, LoopLook, Loops, PileOptics, Scene, Section, SheetGeometry,
+    Skeleton, VisibleCells, Volumes,
 };
 use crate::design::{
-    Chart, Colour, Design, Fault, Filter, Form, FormKind, Length, Phase, Pile, PileKind, Sheared,
+    Chart, Colour, Design, Fault, Form, FormKind, Length, Phase, Pile, PileKind, Sheared,
     Turbulence, Warning,
 };
 
@@ -87,52 +87,6 @@ pub fn compile(design: &Design) -> Result<Scene, CompileError> {
     Compiler::default()
         .compile(design)
         .map(|scene| Scene::clone(&scene))
-}
-
-/// A filter of this radius, in waves of the turbulence, still leaves a tenth of it.
-const MAX_FILTER_WAVES: f64 = 0.75;
-
-/// What a designer should know about a design and its scene.
-pub fn warnings(design: &Design, scene: &Scene) -> Vec<Warning> {
-    warnings_of_loops(design, &scene.sheet, scene.loops.counts)
-}
-
-/// What is known without making anything.
-pub(super) fn warnings_of_design(design: &Design) -> Vec<Warning> {
-    let mut warnings = design.warnings();
-    warnings.extend(costs(design));
-    warnings.extend(ChartYarns::default().warning(design));
-    warnings
-}
-
-fn warnings_of_loops(design: &Design, sheet: &SheetGeometry, counts: LoopCounts) -> Vec<Warning> {
-    let mut warnings = warnings_of_design(design);
-    if counts.planted == 0 {
-        let text = "no loops: the pattern, the chart and the loop length leave none";
-        warnings.push(Warning::new("weave.pattern", text));
-    }
-    let turbulence = &design.turbulence;
-    let pitch_mm = sheet.pitch_x_mm.max(sheet.pitch_y_mm);
-    let waves = turbulence.filter_radius * pitch_mm * turbulence.frequency;
-    if turbulence.filter != Filter::None && waves > MAX_FILTER_WAVES {
-        let text = format!(
-            "the turbulence's filter reaches over {waves:.1} of its waves, more than {MAX_FILTER_WAVES}: \
-             little of it is left but at the cloth's edges"
-        );
-        warnings.push(Warning::new("turbulence.filter_radius", text));
-    }
-    let mut tell = |count: u64, what: &str| {
-        if count > 0 {
-            let text = format!("{count} of {} loops {what}", counts.planted);
-            warnings.push(Warning::new("pile", text));
-        }
-    };
-    tell(counts.dropped, "were left out: their frame is degenerate");
-    tell(
-        counts.repaired,
-        "have another top width than asked: their frame would cross itself",
-    );
-    warnings
 }
 
 /// Work that a compiler leaves out; it never changes a scene.
@@ -411,7 +365,12 @@ impl Compiler {
         let shrunk = region.map(|region| region.design(whole));
         let design = shrunk.as_ref().unwrap_or(whole);
         let shape = self.shape(design, region, None, cancel)?;
-        let warnings = warnings_of_loops(whole, &shape.sheet, shape.loops.counts);
+        let warnings = warnings_of_loops(
+            whole,
+            &shape.sheet,
+            shape.loops.counts,
+            &mut ChartYarns::default(),
+        );
         self.loops = Some((shape.loops_inputs, shape.loops));
         Ok(warnings)
     }

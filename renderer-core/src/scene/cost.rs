@@ -4,7 +4,7 @@ use super::lod::{LodBudget, LodRegion};
 use super::looks::Materials;
 use crate::design::{Design, PileKind, Warning};
 
-/// Time from which it is told, seconds.
+/// Time from which it is reported, seconds.
 const LONG: f64 = 10.0;
 /// Time of a core for a loop, from chart to grid, seconds (measured with `render --stats` on cloth of 2000 × 2000).
 const SECONDS_PER_LOOP: f64 = 2e-6;

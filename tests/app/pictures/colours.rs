@@ -4,7 +4,7 @@ use image::{DynamicImage, ImageFormat, Rgb, RgbImage};
 use moxcms::{ColorProfile, curve_from_gamma};
 use renderer_core::design::{ImageSlot, srgb_to_linear};
 
-use super::{Shelf, all, colours, heights};
+use super::{PictureFolder, all, colours, heights};
 use crate::support::picture_files::{
     Values, encoded, jpeg_of_blocks, profile_of_inks, tiff, webp_with, with_segment,
 };
@@ -79,7 +79,7 @@ fn big(numbers: &[u32]) -> Vec<u8> {
 
 #[test]
 fn a_profile_is_heeded_in_every_format_that_carries_one() {
-    let shelf = Shelf::new();
+    let folder = PictureFolder::new();
     let profile = ColorProfile::new_display_p3().encode().unwrap();
     let png = encoded(&picture(), ImageFormat::Png);
     let deep = encoded(&picture().to_rgb16().into(), ImageFormat::Png);
@@ -105,19 +105,19 @@ fn a_profile_is_heeded_in_every_format_that_carries_one() {
         ("bmp", bmp_with_profile(&profile)),
     ];
     for (name, file) in files {
-        for (pixel, colour) in all(&shelf.chart(&file)).into_iter().zip(COLOURS) {
+        for (pixel, colour) in all(&folder.chart(&file)).into_iter().zip(COLOURS) {
             assert_near(pixel, of_p3(colour), 0.75, name);
         }
-        let red = shelf.chart(&file).pixel(0, 0)[0];
+        let red = folder.chart(&file).pixel(0, 0)[0];
         assert!(red > COLOURS[0][0] + 5, "{name}: converted, {red}");
         // What the numbers of a nap map and a height picture say is not colour.
-        let nap = colours(shelf.read(ImageSlot::Nap, &file).unwrap().pixels);
+        let nap = colours(folder.read(ImageSlot::Nap, &file).unwrap().pixels);
         let kept: Vec<[u8; 4]> = COLOURS.map(|[r, g, b]| [r, g, b, 255]).to_vec();
         assert_eq!(all(&nap), kept, "{name}");
-        let height = heights(shelf.read(ImageSlot::Height, &file).unwrap().pixels);
+        let height = heights(folder.read(ImageSlot::Height, &file).unwrap().pixels);
         assert_eq!(height.row(0)[2], 128 * 257, "{name}");
     }
-    let grey = shelf.chart(&encoded(&picture(), ImageFormat::Png));
+    let grey = folder.chart(&encoded(&picture(), ImageFormat::Png));
     assert_eq!(
         grey.pixel(0, 0),
         [200, 100, 50, 255],
@@ -149,31 +149,36 @@ fn bmp_with_profile(profile: &[u8]) -> Vec<u8> {
 
 #[test]
 fn jpegs_with_profiles_of_colours_and_of_greys_are_converted() {
-    let shelf = Shelf::new();
+    let folder = PictureFolder::new();
     let profile = ColorProfile::new_display_p3().encode().unwrap();
     let tile = RgbImage::from_pixel(16, 16, Rgb([200, 100, 50]));
     let jpeg = encoded(&tile.into(), ImageFormat::Jpeg);
-    let plain = shelf.chart(&jpeg).pixel(8, 8);
+    let plain = folder.chart(&jpeg).pixel(8, 8);
     // In two parts, as large ones are.
     let (first, second) = profile.split_at(profile.len() / 2);
     let part = |k: u8, data: &[u8]| [&b"ICC_PROFILE\0"[..], &[k, 2], data].concat();
     let file = with_segment(jpeg.clone(), 0xe2, &part(2, second));
     let file = with_segment(file, 0xe2, &part(1, first));
-    let found = shelf.chart(&file).pixel(8, 8);
+    let found = folder.chart(&file).pixel(8, 8);
     assert_near(found, of_p3([plain[0], plain[1], plain[2]]), 1.0, "jpeg");
 
     let grey = jpeg_of_blocks(&[&[100], &[30]]);
     let gamma = ColorProfile::new_gray_with_gamma(1.0).encode().unwrap();
     let whole = [&b"ICC_PROFILE\0\x01\x01"[..], &gamma].concat();
     let file = with_segment(grey.clone(), 0xe2, &whole);
-    assert_eq!(shelf.chart(&grey).pixel(0, 0), [100, 100, 100, 255]);
+    assert_eq!(folder.chart(&grey).pixel(0, 0), [100, 100, 100, 255]);
     let expected = [encode(100.0 / 255.0); 3];
-    assert_near(shelf.chart(&file).pixel(0, 0), expected, 1.0, "linear grey");
+    assert_near(
+        folder.chart(&file).pixel(0, 0),
+        expected,
+        1.0,
+        "linear grey",
+    );
 
     // Surroundings become light by their profile.
     let sky = RgbImage::from_pixel(16, 8, Rgb([200, 100, 50]));
     let sky = encoded(&sky.into(), ImageFormat::Png);
-    let sky = shelf.sky(&with_chunks(sky, &[iccp(&profile)])).unwrap();
+    let sky = folder.sky(&with_chunks(sky, &[iccp(&profile)])).unwrap();
     let light = sky.pixel(3, 3);
     for (c, expected) in of_p3([200, 100, 50]).into_iter().enumerate() {
         let expected = srgb_to_linear(expected / 255.0);
@@ -183,19 +188,19 @@ fn jpegs_with_profiles_of_colours_and_of_greys_are_converted() {
 
 #[test]
 fn profiles_of_srgb_change_nothing_and_broken_ones_are_told() {
-    let shelf = Shelf::new();
+    let folder = PictureFolder::new();
     let png = encoded(&picture(), ImageFormat::Png);
-    let plain = shelf.chart(&png);
+    let plain = folder.chart(&png);
     let mut srgb = ColorProfile::new_srgb();
     srgb.cicp = None;
     let file = with_chunks(png.clone(), &[iccp(&srgb.encode().unwrap())]);
-    assert_eq!(shelf.chart(&file), plain);
+    assert_eq!(folder.chart(&file), plain);
     // Not quite its curve, and beyond a step of it.
     let mut other = srgb.clone();
     let curve = Some(curve_from_gamma(2.2));
     (other.red_trc, other.green_trc, other.blue_trc) = (curve.clone(), curve.clone(), curve);
     let file = with_chunks(png.clone(), &[iccp(&other.encode().unwrap())]);
-    assert_ne!(shelf.chart(&file), plain);
+    assert_ne!(folder.chart(&file), plain);
 
     let broken = with_chunks(png.clone(), &[iccp(b"no profile")]);
     let torn = with_chunks(png.clone(), &[chunk(b"iCCP", b"name\0\0not deflated")]);
@@ -221,7 +226,7 @@ fn profiles_of_srgb_change_nothing_and_broken_ones_are_told() {
             "chart image: has a colour profile that cannot be read (it is broken)",
         ),
     ] {
-        let (_, warnings) = shelf.chart_and_warnings(&file);
+        let (_, warnings) = folder.chart_and_warnings(&file);
         let [warning] = warnings.as_slice() else {
             panic!("{says}: {warnings:?}");
         };
@@ -232,16 +237,16 @@ fn profiles_of_srgb_change_nothing_and_broken_ones_are_told() {
             "{warning}"
         );
         // Numbers that are no colours have no use for it.
-        let nap = shelf.read(ImageSlot::Nap, &file).unwrap();
+        let nap = folder.read(ImageSlot::Nap, &file).unwrap();
         assert_eq!(nap.warnings, [""; 0]);
     }
 }
 
 #[test]
 fn what_a_png_says_of_its_colours_without_a_profile_is_heeded() {
-    let shelf = Shelf::new();
+    let folder = PictureFolder::new();
     let png = encoded(&picture(), ImageFormat::Png);
-    let plain = shelf.chart(&png);
+    let plain = folder.chart(&png);
     let gamma = |exponent: u32| chunk(b"gAMA", &big(&[exponent]));
     let p3 = big(&[31270, 32900, 68000, 32000, 26500, 69000, 15000, 6000]);
     let srgb = big(&[31270, 32900, 64000, 33000, 30000, 60000, 15000, 6000]);
@@ -260,7 +265,7 @@ fn what_a_png_says_of_its_colours_without_a_profile_is_heeded() {
             with(&[chunk(b"cICP", &[1, 13, 0, 1]), gamma(100_000)]),
         ),
     ] {
-        assert_eq!(shelf.chart(&file), plain, "{name}");
+        assert_eq!(folder.chart(&file), plain, "{name}");
     }
     let cube = |value: f64| value.powf(1.8);
     for (name, file, expected) in [
@@ -290,7 +295,7 @@ fn what_a_png_says_of_its_colours_without_a_profile_is_heeded() {
             converted(COLOURS[0], cube, SRGB_FROM_P3),
         ),
     ] {
-        assert_near(shelf.chart(&file).pixel(0, 0), expected, 0.75, name);
+        assert_near(folder.chart(&file).pixel(0, 0), expected, 0.75, name);
     }
     let line = big(&[31270, 32900, 10000, 10000, 20000, 20000, 30000, 30000]);
     for (file, says) in [
@@ -308,7 +313,7 @@ fn what_a_png_says_of_its_colours_without_a_profile_is_heeded() {
             "its code points are 1, 13, 0, 0",
         ),
     ] {
-        let (chart, warnings) = shelf.chart_and_warnings(&file);
+        let (chart, warnings) = folder.chart_and_warnings(&file);
         assert!(warnings[0].contains(says), "{warnings:?}");
         assert_eq!(chart, plain);
     }
@@ -340,7 +345,7 @@ fn of_lab([l, a, b]: [u8; 3]) -> [f64; 3] {
 
 #[test]
 fn inks_are_converted_by_their_profile_and_else_estimated() {
-    let shelf = Shelf::new();
+    let folder = PictureFolder::new();
     let lab = |inks: [bool; 4]| match inks {
         [_, _, _, true] => [40, 128, 128],
         [true, false, false, false] => [150, 100, 96],
@@ -408,8 +413,8 @@ fn inks_are_converted_by_their_profile_and_else_estimated() {
             "tiff" => print(true),
             _ => with_segment(bare.clone(), 0xe2, &part),
         };
-        let chart = shelf.chart(&file);
-        let (guessed, warnings) = shelf.chart_and_warnings(&bare);
+        let chart = folder.chart(&file);
+        let (guessed, warnings) = folder.chart_and_warnings(&bare);
         for k in 0..4 {
             let place = format!("{name} {k}");
             assert_near(chart.pixel(8 * k + 4, 0), whole[k].1, tolerance, &place);

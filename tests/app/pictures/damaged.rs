@@ -3,7 +3,7 @@
 use image::{DynamicImage, ImageFormat, Rgb, RgbImage};
 use renderer_core::design::ImageSlot;
 
-use super::Shelf;
+use super::PictureFolder;
 use crate::support::picture_files::{bmp, encoded, gif, jpeg_of_blocks, tga, with_segment};
 use crate::support::png::indexed;
 
@@ -15,7 +15,7 @@ fn noise() -> DynamicImage {
 
 #[test]
 fn a_file_that_is_cut_off_is_never_opened_without_a_word() {
-    let shelf = Shelf::new();
+    let folder = PictureFolder::new();
     let numbers: Vec<u8> = (0..1024).map(|k| (k % 97) as u8).collect();
     let palette: Vec<[u8; 3]> = (0..97).map(|k| [k, 2 * k, 255 - k]).collect();
     let mut files = vec![
@@ -39,7 +39,7 @@ fn a_file_that_is_cut_off_is_never_opened_without_a_word() {
     let blocks: Vec<&[u8]> = blocks.iter().map(|block| &block[..]).collect();
     files.push(("jpeg of inks", jpeg_of_blocks(&blocks)));
     for (name, file) in files {
-        let whole = shelf.read(ImageSlot::Chart, &file).unwrap();
+        let whole = folder.read(ImageSlot::Chart, &file).unwrap();
         let said = whole.warnings.len();
         for part in [40, 60, 90] {
             // Of a GIF all after the first picture may be missing.
@@ -48,7 +48,7 @@ fn a_file_that_is_cut_off_is_never_opened_without_a_word() {
             } else {
                 file.len() * part / 100
             };
-            match shelf.read(ImageSlot::Chart, &file[..end]) {
+            match folder.read(ImageSlot::Chart, &file[..end]) {
                 Err(error) => assert!(error.contains(" chart image: "), "{name}: {error}"),
                 Ok(cut) => {
                     assert!(
@@ -65,12 +65,12 @@ fn a_file_that_is_cut_off_is_never_opened_without_a_word() {
 
 #[test]
 fn a_jpeg_is_whole_where_its_picture_ends_and_not_where_a_thumbnail_does() {
-    let shelf = Shelf::new();
+    let folder = PictureFolder::new();
     let thumbnail = encoded(&noise(), ImageFormat::Jpeg);
     let jpeg = jpeg_of_blocks(&[&[9], &[200]]);
     let segment = [&b"Exif\0\0"[..], &thumbnail].concat();
     let file = with_segment(jpeg.clone(), 0xe1, &segment);
-    let warnings = |file: &[u8]| shelf.chart_and_warnings(file).1.len();
+    let warnings = |file: &[u8]| folder.chart_and_warnings(file).1.len();
     assert_eq!(warnings(&file), 0);
     assert_eq!(warnings(&file[..file.len() - 2]), 1);
     // Filled up with zeros, as some programs do before they have all of a file.
@@ -82,7 +82,7 @@ fn a_jpeg_is_whole_where_its_picture_ends_and_not_where_a_thumbnail_does() {
 
 #[test]
 fn what_is_no_picture_is_told_what_it_is_and_what_is_allowed() {
-    let shelf = Shelf::new();
+    let folder = PictureFolder::new();
     let hdr = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n01234567";
     for (bytes, says) in [
         (
@@ -106,14 +106,14 @@ fn what_is_no_picture_is_told_what_it_is_and_what_is_allowed() {
         (b"BM", "is broken: "),
     ] {
         for slot in [ImageSlot::Chart, ImageSlot::Nap, ImageSlot::Height] {
-            let error = shelf.read(slot, bytes).unwrap_err();
+            let error = folder.read(slot, bytes).unwrap_err();
             assert!(
                 error.contains(&format!(": {says}")),
                 "{error}\ninstead of {says}"
             );
         }
     }
-    let error = shelf.read(ImageSlot::Environment, b"8BPS").unwrap_err();
+    let error = folder.read(ImageSlot::Environment, b"8BPS").unwrap_err();
     let says =
         "is a Photoshop file, allowed are .hdr, .exr, PNG, JPEG, WebP, GIF, BMP, TIFF, TGA and PPM";
     assert!(error.ends_with(says), "{error}");
@@ -121,7 +121,7 @@ fn what_is_no_picture_is_told_what_it_is_and_what_is_allowed() {
 
 #[test]
 fn sizes_are_refused_before_pixels_are_made() {
-    let shelf = Shelf::new();
+    let folder = PictureFolder::new();
     // A header that promises 65535 columns and rows, in formats where that costs nothing to write.
     let mut gif = gif(4, &[[1; 3]; 2], None, false, &[0; 4]);
     gif[6..10].fill(0xff);
@@ -131,7 +131,7 @@ fn sizes_are_refused_before_pixels_are_made() {
     bmp[18..20].fill(0xff);
     bmp[22..24].fill(0xff);
     for file in [gif, tga, bmp, b"P6 65535 65535 255 ".to_vec()] {
-        let error = shelf.read(ImageSlot::Chart, &file).unwrap_err();
+        let error = folder.read(ImageSlot::Chart, &file).unwrap_err();
         assert!(
             error.contains("has 65535 x 65535 pixels, allowed are at most 8192 x 8192"),
             "{error}"

@@ -13,7 +13,7 @@ use moxcms::ColorProfile;
 use renderer_core::design::ImageSlot;
 use renderer_core::image::encode_exr_channels;
 
-use super::Shelf;
+use super::PictureFolder;
 use crate::support::mutate::Mutator;
 use crate::support::picture_files::{
     Values, bmp, color_map, encoded, exif, gif, jpeg_of_blocks, packed_rows, profile_of_inks, tga,
@@ -130,14 +130,14 @@ fn pictures_changed_at_random_are_opened_or_refused() {
         .and_then(|count| count.parse().ok());
     let is_long = inputs.is_some();
     let seeds = seeds();
-    let shelf = Shelf::new();
+    let folder = PictureFolder::new();
     for (k, seed) in seeds.iter().enumerate() {
-        let opened = ImageSlot::ALL.map(|slot| shelf.read(slot, seed).is_ok());
+        let opened = ImageSlot::ALL.map(|slot| folder.read(slot, seed).is_ok());
         assert!(opened.contains(&true), "seed {k} is a picture");
     }
     let others: Vec<&[u8]> = seeds.iter().map(Vec::as_slice).collect();
     let mut mutator = Mutator::new(20_260_715);
-    let (mut opened, mut told, mut slowest) = (0, 0, (Duration::ZERO, 0));
+    let (mut opened, mut warned, mut slowest) = (0, 0, (Duration::ZERO, 0));
     let mut panics = Vec::new();
     for input in 0..inputs.unwrap_or(INPUTS) {
         let seed = mutator.below(seeds.len());
@@ -148,10 +148,10 @@ fn pictures_changed_at_random_are_opened_or_refused() {
         }
         let start = Instant::now();
         for slot in ImageSlot::ALL {
-            match catch_unwind(AssertUnwindSafe(|| shelf.read(slot, &file))) {
+            match catch_unwind(AssertUnwindSafe(|| folder.read(slot, &file))) {
                 Ok(Ok(loaded)) => {
                     opened += 1;
-                    told += usize::from(!loaded.warnings.is_empty());
+                    warned += usize::from(!loaded.warnings.is_empty());
                 }
                 Ok(Err(message)) => assert!(message.contains("picture: "), "{message}"),
                 Err(_) => panics.push((input, seed, slot)),
@@ -161,7 +161,7 @@ fn pictures_changed_at_random_are_opened_or_refused() {
     }
     if is_long {
         eprintln!(
-            "{opened} opened, {told} with warnings, {} panics, slowest {slowest:?}",
+            "{opened} opened, {warned} with warnings, {} panics, slowest {slowest:?}",
             panics.len()
         );
     }

@@ -5,7 +5,7 @@ use std::io::Cursor;
 use exr::meta::attribute::Chromaticities;
 use exr::prelude::*;
 
-use super::Shelf;
+use super::PictureFolder;
 use renderer_core::design::{EnvironmentImage, ImageSlot};
 
 /// A pixel of 4 columns and 2 rows, with a shared exponent.
@@ -43,10 +43,10 @@ fn assert_is(sky: &EnvironmentImage, expected: impl Fn(usize, usize) -> [f32; 3]
 
 #[test]
 fn every_order_of_axes_and_every_name_in_the_first_line_is_read() {
-    let shelf = Shelf::new();
+    let folder = PictureFolder::new();
     for first in ["#?RADIANCE", "#?RGBE", "#?made by hand"] {
         let header = format!("{first}\r\n# a note\r\nFORMAT=32-bit_rle_rgbe\r\n\r");
-        let sky = shelf.sky(&hdr(&header, "-Y 2 +X 4", upright())).unwrap();
+        let sky = folder.sky(&hdr(&header, "-Y 2 +X 4", upright())).unwrap();
         assert_is(&sky, |x, y| value(rgbe(x, y)), first);
     }
     for (size, by_columns, mirrored, upside_down) in [
@@ -67,14 +67,14 @@ fn every_order_of_axes_and_every_name_in_the_first_line_is_read() {
             false => pixel(k % 4, k / 4),
             true => pixel(k / 2, k % 2),
         });
-        let sky = shelf.sky(&hdr(PLAIN, size, pixels)).unwrap();
+        let sky = folder.sky(&hdr(PLAIN, size, pixels)).unwrap();
         assert_is(&sky, |x, y| value(rgbe(x, y)), size);
     }
 }
 
 #[test]
 fn exposure_colour_correction_and_primaries_are_undone() {
-    let shelf = Shelf::new();
+    let folder = PictureFolder::new();
     let lines =
         "EXPOSURE=50\nEXPOSURE= 2.0\nCOLORCORR=1 2 4\nCOLORCORR= 0.5 1 0.25\nEXPOSURE is a word\n";
     let file = hdr(&format!("{PLAIN}{lines}"), "-Y 2 +X 4", upright());
@@ -82,16 +82,16 @@ fn exposure_colour_correction_and_primaries_are_undone() {
         let [r, g, b] = value(rgbe(x, y));
         [r / 50.0, g / 200.0, b / 100.0]
     };
-    assert_is(&shelf.sky(&file).unwrap(), undone, "both");
+    assert_is(&folder.sky(&file).unwrap(), undone, "both");
 
     // X, Y and Z of white are all 1, and so are red, green and blue.
     let header = "#?RADIANCE\nEXPOSURE=2\nFORMAT=32-bit_rle_xyze\n";
     let white = vec![[128, 128, 128, 129]; 8];
-    let sky = shelf.sky(&hdr(header, "-Y 2 +X 4", white)).unwrap();
+    let sky = folder.sky(&hdr(header, "-Y 2 +X 4", white)).unwrap();
     assert_is(&sky, |_, _| [0.5; 3], "white");
     // X, Y, Z of sRGB's red, scaled as cones see it (Bradford) from D65 to equal energy: what is left is red.
     let red = [112, 58, 3, 128];
-    let sky = shelf.sky(&hdr(header, "-Y 2 +X 4", vec![red; 8])).unwrap();
+    let sky = folder.sky(&hdr(header, "-Y 2 +X 4", vec![red; 8])).unwrap();
     let [r, g, b] = sky.pixel(0, 0);
     assert!(r > 0.4 && g.abs() < 0.01 && b.abs() < 0.01, "{r} {g} {b}");
 
@@ -108,9 +108,9 @@ fn exposure_colour_correction_and_primaries_are_undone() {
             0.274_57 - 0.019_64 - 0.039_32,
         ]
     };
-    assert_is(&shelf.sky(&file).unwrap(), of_p3, "Display P3");
+    assert_is(&folder.sky(&file).unwrap(), of_p3, "Display P3");
     let none = format!("{PLAIN}PRIMARIES=0 0 0 0 0 0 0 0\n");
-    let loaded = shelf
+    let loaded = folder
         .read(ImageSlot::Environment, &hdr(&none, "-Y 2 +X 4", upright()))
         .unwrap();
     assert!(
@@ -122,7 +122,7 @@ fn exposure_colour_correction_and_primaries_are_undone() {
 
 #[test]
 fn runs_old_and_new_are_read_and_broken_ones_refused() {
-    let shelf = Shelf::new();
+    let folder = PictureFolder::new();
     // Old: the last pixel once more n times, and n times 256 where it follows at once.
     let old = [
         rgbe(0, 0),
@@ -131,7 +131,7 @@ fn runs_old_and_new_are_read_and_broken_ones_refused() {
         rgbe(2, 1),
         [1, 1, 1, 2],
     ];
-    let sky = shelf.sky(&hdr(PLAIN, "-Y 2 +X 4", old)).unwrap();
+    let sky = folder.sky(&hdr(PLAIN, "-Y 2 +X 4", old)).unwrap();
     assert_eq!(sky.pixel(3, 0), value(rgbe(0, 0)));
     assert_eq!(
         [0, 1, 3].map(|x| sky.pixel(x, 1)),
@@ -142,9 +142,9 @@ fn runs_old_and_new_are_read_and_broken_ones_refused() {
         let rows = row.repeat(257);
         hdr(PLAIN, "-Y 257 +X 514", rows)
     };
-    assert!(shelf.sky(&long(1, 2)).is_ok());
+    assert!(folder.sky(&long(1, 2)).is_ok());
     assert!(
-        shelf
+        folder
             .sky(&long(2, 2))
             .unwrap_err()
             .contains("is longer than the picture is wide")
@@ -161,7 +161,7 @@ fn runs_old_and_new_are_read_and_broken_ones_refused() {
         file.extend(row.repeat(4));
         file
     };
-    let sky = shelf.sky(&file(row(&[128 + 4, 4, 1, 5]))).unwrap();
+    let sky = folder.sky(&file(row(&[128 + 4, 4, 1, 5]))).unwrap();
     let expected = [1, 2, 3, 4, 4, 4, 4, 5].map(|green| value([7, green, 9, 129]));
     assert_eq!(
         (0..8).map(|x| sky.pixel(x, 3)).collect::<Vec<_>>(),
@@ -213,7 +213,7 @@ fn runs_old_and_new_are_read_and_broken_ones_refused() {
             "is broken: it ends in its header",
         ),
     ] {
-        let error = shelf.sky(&bytes).unwrap_err();
+        let error = folder.sky(&bytes).unwrap_err();
         assert!(error.contains(says), "{error}\ninstead of {says}");
     }
 }
@@ -278,14 +278,14 @@ const RGB: [(&str, f32); 3] = [("R", 0.0), ("G", 100.0), ("B", 200.0)];
 
 #[test]
 fn a_data_window_is_placed_in_the_display_window() {
-    let shelf = Shelf::new();
+    let folder = PictureFolder::new();
     let place = |position, size, display| {
         let part = Part {
             position,
             size,
             ..part(&RGB)
         };
-        shelf.sky(&exr(display, vec![part], None)).unwrap()
+        folder.sky(&exr(display, vec![part], None)).unwrap()
     };
     // Smaller: the rest is black.
     let sky = place([1, 1], [2, 1], WHOLE);
@@ -310,7 +310,7 @@ fn a_data_window_is_placed_in_the_display_window() {
         }],
         None,
     );
-    let error = shelf.sky(&file).unwrap_err();
+    let error = folder.sky(&file).unwrap_err();
     assert!(
         error.contains("has a data window of 16385 x 1 pixels, allowed are at most 16384 x 8192"),
         "{error}"
@@ -319,7 +319,7 @@ fn a_data_window_is_placed_in_the_display_window() {
 
 #[test]
 fn layers_of_blender_and_krita_and_greys_are_found() {
-    let shelf = Shelf::new();
+    let folder = PictureFolder::new();
     let passes = [
         ("ViewLayer.AO.R", 7.0),
         ("ViewLayer.AO.G", 7.0),
@@ -370,17 +370,23 @@ fn layers_of_blender_and_krita_and_greys_are_found() {
             ])],
         ),
     ] {
-        assert_is(&shelf.sky(&exr(WHOLE, parts, None)).unwrap(), colours, name);
+        assert_is(
+            &folder.sky(&exr(WHOLE, parts, None)).unwrap(),
+            colours,
+            name,
+        );
     }
     let grey = |x: usize, y: usize| [(x + 4 * y) as f32 + 2.0; 3];
     for channels in [[("Y", 2.0), ("A", 1.0)], [("sky.Y", 2.0), ("sky.A", 1.0)]] {
         assert_is(
-            &shelf.sky(&exr(WHOLE, vec![part(&channels)], None)).unwrap(),
+            &folder
+                .sky(&exr(WHOLE, vec![part(&channels)], None))
+                .unwrap(),
             grey,
             "grey",
         );
     }
-    let error = shelf.sky(&exr(
+    let error = folder.sky(&exr(
         WHOLE,
         vec![part(&[
             ("Z", 1.0),
@@ -400,7 +406,7 @@ fn layers_of_blender_and_krita_and_greys_are_found() {
 
 #[test]
 fn coarser_chroma_is_told_and_primaries_are_heeded() {
-    let shelf = Shelf::new();
+    let folder = PictureFolder::new();
     let mut file = exr(
         WHOLE,
         vec![part(&[("BY", 0.0), ("RY", 0.0), ("Y", 1.0)])],
@@ -412,7 +418,7 @@ fn coarser_chroma_is_told_and_primaries_are_heeded() {
         file[at + 11] = 2;
         file[at + 15] = 2;
     }
-    let error = shelf.sky(&file).unwrap_err();
+    let error = folder.sky(&file).unwrap_err();
     let says =
         "has channels that are coarser than the picture (luminance and chroma: Y, RY, BY), allowed";
     assert!(error.contains(says), "{error}");
@@ -424,7 +430,7 @@ fn coarser_chroma_is_told_and_primaries_are_heeded() {
         white: Vec2(0.3127, 0.3290),
     };
     let channels = [("R", 100.0), ("G", 50.0), ("B", 25.0)];
-    let sky = shelf
+    let sky = folder
         .sky(&exr(WHOLE, vec![part(&channels)], Some(p3)))
         .unwrap();
     let of_p3 = |x: usize, y: usize| {

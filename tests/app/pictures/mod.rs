@@ -14,9 +14,9 @@ use renderer_core::design::{ChartImage, EnvironmentImage, HeightImage, ImagePixe
 use towel_designer::files::{LoadedImage, load_image};
 
 /// A folder that pictures are written to.
-struct Shelf(tempfile::TempDir);
+struct PictureFolder(tempfile::TempDir);
 
-impl Shelf {
+impl PictureFolder {
     fn new() -> Self {
         Self(tempfile::tempdir().unwrap())
     }

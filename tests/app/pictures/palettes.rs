@@ -8,7 +8,7 @@ use renderer_core::design::chart_edit::yarn_of;
 use renderer_core::design::{ChartImage, ImageSlot};
 use towel_designer::files;
 
-use super::{Shelf, all};
+use super::{PictureFolder, all};
 use crate::support::picture_files::{Values, bmp, color_map, encoded, gif, packed_rows, tga, tiff};
 use crate::support::png::indexed;
 
@@ -27,7 +27,7 @@ fn pixels(colours: &[[u8; 3]; 6]) -> Vec<[u8; 4]> {
     NUMBERS.iter().map(opaque).collect()
 }
 
-/// The same pixels in every format and width of numbers.
+/// One picture with a palette in every format and width of numbers.
 fn files() -> Vec<(&'static str, Vec<u8>)> {
     let map = |entries| color_map(&PALETTE, entries);
     let tags = |bits: u16| (258, bits, map(1 << bits));
@@ -61,25 +61,25 @@ fn files() -> Vec<(&'static str, Vec<u8>)> {
 
 #[test]
 fn two_entries_of_one_colour_stay_two_yarns_in_every_format() {
-    let shelf = Shelf::new();
+    let folder = PictureFolder::new();
     let mut told_apart = PALETTE;
     // The nearest colour that no other entry has.
     told_apart[2][2] += 1;
     for (name, file) in files() {
-        let chart = shelf.chart(&file);
+        let chart = folder.chart(&file);
         assert_eq!((chart.width(), chart.height()), (4, 3), "{name}");
         assert_eq!(all(&chart), pixels(&told_apart), "{name}");
         let yarns: HashSet<[u8; 4]> = all(&chart).into_iter().map(yarn_of).collect();
         assert_eq!(yarns.len(), 5, "{name}");
         // Where numbers are data, they stay.
-        let nap = shelf.read(ImageSlot::Nap, &file).unwrap().pixels;
+        let nap = folder.read(ImageSlot::Nap, &file).unwrap().pixels;
         assert_eq!(all(&super::colours(nap)), pixels(&PALETTE), "{name}");
     }
 }
 
 #[test]
 fn a_crowded_palette_finds_a_free_colour_and_alpha_leaves_yarns_out() {
-    let shelf = Shelf::new();
+    let folder = PictureFolder::new();
     // Around the colour twice there, all that differ by one step in blue or red are taken, at the edge of the range.
     let palette = [
         [0, 9, 255],
@@ -92,17 +92,17 @@ fn a_crowded_palette_finds_a_free_colour_and_alpha_leaves_yarns_out() {
     let mut expected = palette;
     expected[1] = [0, 10, 255];
     let opaque = expected.map(|[r, g, b]| [r, g, b, 255]);
-    assert_eq!(all(&shelf.chart(&file)), opaque);
+    assert_eq!(all(&folder.chart(&file)), opaque);
 
     // What plants nothing is no yarn, and takes no colour from one.
     let file = indexed(3, &[RED, RED, RED], &[0, 127, 255], &[0, 1, 2]);
     let [r, g, b] = RED;
     assert_eq!(
-        all(&shelf.chart(&file)),
+        all(&folder.chart(&file)),
         [[r, g, b, 0], [r, g, b, 127], [r, g, b, 255]]
     );
     let file = gif(3, &[RED, NAVY, RED], Some(1), false, &[0, 1, 2]);
-    let chart = shelf.chart(&file);
+    let chart = folder.chart(&file);
     assert_eq!(chart.pixel(1, 0)[3], 0);
     assert_eq!(
         [chart.pixel(0, 0), chart.pixel(2, 0)],
@@ -112,7 +112,7 @@ fn a_crowded_palette_finds_a_free_colour_and_alpha_leaves_yarns_out() {
 
 #[test]
 fn other_depths_and_palettes_that_begin_later_are_read() {
-    let shelf = Shelf::new();
+    let folder = PictureFolder::new();
     let bits: Vec<u8> = NUMBERS.iter().map(|number| number & 1).collect();
     let two = [NAVY, RED];
     let of_two = |numbers: &[u8]| -> Vec<[u8; 4]> {
@@ -140,10 +140,10 @@ fn other_depths_and_palettes_that_begin_later_are_read() {
             ),
         ),
     ] {
-        assert_eq!(all(&shelf.chart(&file)), of_two(&bits), "{name}");
+        assert_eq!(all(&folder.chart(&file)), of_two(&bits), "{name}");
     }
     // Five bits a channel, and greys of four bits, one way and the other.
-    let tga = shelf.chart(&tga(4, 16, 0, &[[255, 0, 128], [8, 255, 0]], &bits));
+    let tga = folder.chart(&tga(4, 16, 0, &[[255, 0, 128], [8, 255, 0]], &bits));
     assert_eq!(
         [tga.pixel(0, 0), tga.pixel(1, 0)],
         [[255, 0, 132, 255], [8, 255, 0, 255]]
@@ -154,14 +154,14 @@ fn other_depths_and_palettes_that_begin_later_are_read() {
             (258, Values::Shorts(&[4])),
             (262, Values::Shorts(&[photometric])),
         ];
-        let chart = shelf.chart(&tiff(true, [4, 3], &tags, &packed));
+        let chart = folder.chart(&tiff(true, [4, 3], &tags, &packed));
         assert_eq!(chart.pixel(3, 1), [grey, grey, grey, 255]);
     }
 }
 
 #[test]
 fn every_format_opens_as_a_chart_from_a_preset_and_a_bundle() {
-    let shelf = Shelf::new();
+    let folder = PictureFolder::new();
     let rgb = RgbImage::from_raw(4, 3, NUMBERS.map(|k| PALETTE[usize::from(k)]).concat()).unwrap();
     let image = DynamicImage::from(rgb);
     let expected = ChartImage::new(4, 3, &pixels(&PALETTE)).unwrap();
@@ -173,8 +173,8 @@ fn every_format_opens_as_a_chart_from_a_preset_and_a_bundle() {
         (ImageFormat::Tga, "c.tga"),
         (ImageFormat::Pnm, "c.ppm"),
     ] {
-        shelf.put(name, &encoded(&image, format));
-        let preset = shelf.put(
+        folder.put(name, &encoded(&image, format));
+        let preset = folder.put(
             "p.toml",
             format!("format = 1\nchart.image = '{name}'").as_bytes(),
         );

@@ -3,7 +3,7 @@
 use image::{DynamicImage, GrayImage, ImageFormat, Luma};
 use renderer_core::design::{ImagePixels, ImageSlot, srgb_to_linear};
 
-use super::{Shelf, colours, heights};
+use super::{PictureFolder, colours, heights};
 use crate::support::picture_files::{Values, encoded, exif, tiff, webp_with, with_segment};
 use crate::support::png::{chunk, with_chunks};
 
@@ -44,7 +44,7 @@ fn stored(orientation: u16) -> GrayImage {
     })
 }
 
-/// The same in every format that can say how it lies.
+/// One picture in every format that can say how it lies.
 fn files(orientation: u16) -> Vec<(&'static str, Vec<u8>)> {
     let stored = stored(orientation);
     let size = [stored.width(), stored.height()];
@@ -122,14 +122,14 @@ fn patches(pixels: &ImagePixels) -> ([usize; 2], Vec<f64>) {
 
 #[test]
 fn every_image_lies_as_its_camera_was_held() {
-    let shelf = Shelf::new();
+    let folder = PictureFolder::new();
     let expected: Vec<f64> = (0..UPRIGHT[0] * UPRIGHT[1])
         .map(|k| f64::from(grey([k % UPRIGHT[0], k / UPRIGHT[0]])))
         .collect();
     for orientation in 1..=8 {
         for (name, file) in files(orientation) {
             for slot in ImageSlot::ALL {
-                let loaded = shelf.read(slot, &file).unwrap();
+                let loaded = folder.read(slot, &file).unwrap();
                 let (size, greys) = patches(&loaded.pixels);
                 let place = format!("{name} {orientation} {slot:?}");
                 assert_eq!(size, UPRIGHT.map(|side| (side * PATCH) as usize), "{place}");
@@ -145,9 +145,9 @@ fn every_image_lies_as_its_camera_was_held() {
 
 #[test]
 fn what_is_no_orientation_turns_nothing() {
-    let shelf = Shelf::new();
+    let folder = PictureFolder::new();
     let png = encoded(&stored(1).into(), ImageFormat::Png);
-    let plain = shelf.chart(&png);
+    let plain = folder.chart(&png);
     for data in [
         exif(0),
         exif(9),
@@ -155,10 +155,10 @@ fn what_is_no_orientation_turns_nothing() {
         Vec::new(),
     ] {
         let file = with_chunks(png.clone(), &[chunk(b"eXIf", &data)]);
-        assert_eq!(shelf.chart(&file), plain);
+        assert_eq!(folder.chart(&file), plain);
     }
-    let deep = shelf.read(ImageSlot::Height, &png).unwrap();
+    let deep = folder.read(ImageSlot::Height, &png).unwrap();
     assert_eq!(heights(deep.pixels).row(0)[0], 20 * 257);
-    let nap = shelf.read(ImageSlot::Nap, &png).unwrap();
+    let nap = folder.read(ImageSlot::Nap, &png).unwrap();
     assert_eq!(colours(nap.pixels), plain);
 }

@@ -11,7 +11,7 @@ use renderer_core::geometry::Camera;
 use renderer_core::image::Display;
 use renderer_core::render::{Progress, RenderError, RenderRequest};
 use renderer_core::scene::lod::{LodBudget, LodCloth, LodCompiler, LodPlan};
-use renderer_core::scene::{self, Cancel, CompileError};
+use renderer_core::scene::{self, Cancel, ChartYarns, CompileError};
 
 use super::fallback::{Fallback, Remedy};
 use super::render_job::RenderJob;
@@ -63,6 +63,8 @@ pub struct Worker<'a> {
     preview_maker: LodCompiler,
     /// The last cloth and its design.
     made: Option<(Arc<Design>, Arc<LodCloth>)>,
+    /// The yarns of the last chart, counted.
+    yarns: ChartYarns,
     /// Since when scenes have been given up without one being finished.
     giving_up: Option<Instant>,
     /// How long the loops of the last scene took that was made with new ones.
@@ -89,6 +91,7 @@ impl<'a> Worker<'a> {
             maker: LodCompiler::default(),
             preview_maker: LodCompiler::default(),
             made: None,
+            yarns: ChartYarns::default(),
             giving_up: None,
             loops_took: Duration::ZERO,
             job: None,
@@ -239,7 +242,7 @@ impl<'a> Worker<'a> {
         if self.maker.last_report().frames_made > 0 {
             self.loops_took = start.elapsed();
         }
-        let warnings = scene::warnings(design, &cloth.scenes.nearest);
+        let warnings = scene::warnings(design, &cloth.scenes.nearest, &mut self.yarns);
         let scene = SceneSummary {
             counts: cloth.counts(),
             warnings,

@@ -162,7 +162,7 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// Pixels of the picture that its decoder is told of for one of the picture.
+    /// Pixels that the decoder takes for one of the picture.
     fn pixels_per_number(&self) -> usize {
         match &self.then {
             Then::Numbers(_, packing) => packing.pixels_per_number(),

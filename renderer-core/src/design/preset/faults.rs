@@ -6,7 +6,7 @@ use std::collections::BinaryHeap;
 
 use super::PresetFault;
 
-/// Most faults of one text that are told; of what comes behind them the number is.
+/// Most faults of one text that are reported; those behind them are only counted.
 pub const MOST_FAULTS: usize = 100;
 
 /// A fault and the byte of the text it is at.
@@ -57,7 +57,7 @@ impl PartialEq for Placed {
 impl Eq for Placed {}
 
 impl Faults {
-    /// Adds a fault at a byte; its path and its message are made only if it is told.
+    /// Adds a fault at a byte; its path and its message are made only if it is reported.
     pub fn add(&mut self, at: usize, describe: impl FnOnce() -> (String, String)) {
         self.count += 1;
         let is_full = self.first.len() == MOST_FAULTS;
@@ -84,16 +84,16 @@ impl Faults {
 
     /// The messages, in the order of the text.
     pub fn messages(self) -> Vec<String> {
-        let told = self.first.into_sorted_vec().into_iter();
-        told.map(|Placed(found, _)| found.message).collect()
+        let reported = self.first.into_sorted_vec().into_iter();
+        reported.map(|Placed(found, _)| found.message).collect()
     }
 
     /// The faults with their lines and columns in the text, in its order; at last how many are not among them.
     pub fn placed(self, text: &str) -> Vec<PresetFault> {
         let more = self.count - self.first.len();
         let mut places = Places::new(text);
-        let told = self.first.into_sorted_vec().into_iter();
-        let mut faults: Vec<PresetFault> = told
+        let reported = self.first.into_sorted_vec().into_iter();
+        let mut faults: Vec<PresetFault> = reported
             .map(|Placed(found, _)| {
                 let (line, column) = places.of(found.at);
                 PresetFault {

@@ -7,9 +7,9 @@ use std::sync::Arc;
 use super::{Level, LevelRows, Levels, LodBudget, LodPlan, LodRegion, LodSelector};
 use crate::design::{Back, Design, LengthMap, Pattern, Warning};
 use crate::geometry::Camera;
-use crate::scene::compile::warnings_of_design;
 use crate::scene::grid::MAX_ENTRIES;
-use crate::scene::{Cancel, CompileError, CompileReport, Compiler, LoopCounts, Scene};
+use crate::scene::warnings::warnings_of_design;
+use crate::scene::{Cancel, ChartYarns, CompileError, CompileReport, Compiler, LoopCounts, Scene};
 
 /// The cloth as one camera sees it, level by level.
 #[derive(Debug, Clone, PartialEq)]
@@ -140,7 +140,7 @@ impl LodCompiler {
                 self.whole.fresh().check(design, Some(*region), cancel)?;
             }
         }
-        Ok(warnings_of_design(design))
+        Ok(warnings_of_design(design, &mut ChartYarns::default()))
     }
 
     fn compile_region(
@@ -160,7 +160,7 @@ impl LodCompiler {
     }
 }
 
-/// Whether the lists of a region are far from being too long, whatever its chart and its weave: told by a part of it
+/// Whether the lists of a region are far from being too long, whatever its chart and its weave: judged by a part of it
 /// where loops stand on both faces of all crossings and are as long as any.
 fn has_short_lists(
     design: &Design,

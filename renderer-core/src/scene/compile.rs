@@ -349,7 +349,7 @@ impl Compiler {
         Ok(PreviewScene::Whole(scene))
     }
 
-    /// Finds out whether a design, or a region of it, has a scene, and what is to be known of it, as [`warnings`] tells:
+    /// Finds out whether a design, or a region of it, has a scene, and what is to be known of it, as [`warnings`](super::warnings) tells:
     /// makes all that can be refused, and nothing that only shows.
     ///
     /// # Errors

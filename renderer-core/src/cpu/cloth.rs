@@ -62,11 +62,7 @@ impl Cloth {
         Self {
             looks_down: f64::from(scene.skeleton.worth_looking_down(&scene.sheet)),
             densest,
-            worth_looking_mm: if voxels.is_sparse() {
-                WORTH_LOOKING / densest
-            } else {
-                f32::INFINITY
-            },
+            worth_looking_mm: WORTH_LOOKING / densest,
             thickness: scene.loops.thickness_mm,
             pitch: grid.pitch().as_vec2(),
             blocks_per_mm: (1.0 / (grid.pitch() * grid.block_cells as f64)).as_vec2(),
@@ -107,6 +103,12 @@ impl Cloth {
     #[inline(always)]
     pub fn yarn(&self, index: u32) -> Yarn<'_> {
         self.voxels.yarn(self.scene.looks[index as usize])
+    }
+
+    /// Whether long ways through a loop's frame are mostly air, and it may be asked where.
+    #[inline(always)]
+    pub fn is_sparse(&self) -> bool {
+        self.voxels.is_sparse()
     }
 
     /// Layers of the volumes.

@@ -95,7 +95,7 @@ impl Tracer {
                 }
             }
             if let Some(event) = chosen {
-                return Some(self.event_vertex(ray, &event, part[0]));
+                return Some(self.event_vertex::<L>(ray, &event, part[0]));
             }
             if ground.is_some_and(|hit| hit.t <= span.leave) {
                 break;
@@ -209,7 +209,7 @@ impl Tracer {
         while crossed != 0 {
             let listed = batch.loop_of(crossed.trailing_zeros() as usize);
             crossed &= crossed - 1;
-            self.solve(part, listed, from, from + start, counters, found);
+            self.solve::<L>(part, listed, from, from + start, counters, found);
         }
         batch.clear();
     }
@@ -217,7 +217,7 @@ impl Tracer {
     /// The events of one loop. `from` and `travelled` are the distances of the part's beginning from where the ray came
     /// to the cloth, and from its origin.
     #[inline(always)]
-    fn solve(
+    fn solve<L: Lanes>(
         &self,
         part: &BlockRay,
         listed: Listed,
@@ -246,7 +246,7 @@ impl Tracer {
                         [w, layers],
                     );
                     if let Some(crossing) = crossing {
-                        self.event(part, listed, crossing, from, travelled, counters, found);
+                        self.event::<L>(part, listed, crossing, from, travelled, counters, found);
                     }
                 }
             }
@@ -269,7 +269,7 @@ impl Tracer {
                 which,
             );
             if let Some(crossing) = crossing {
-                self.event(part, listed, crossing, from, travelled, counters, found);
+                self.event::<L>(part, listed, crossing, from, travelled, counters, found);
             }
         }
     }
@@ -280,7 +280,7 @@ impl Tracer {
         reason = "all of it is inlined into the one loop that has them"
     )]
     #[inline(always)]
-    fn event(
+    fn event<L: Lanes>(
         &self,
         part: &BlockRay,
         listed: Listed,
@@ -298,7 +298,7 @@ impl Tracer {
         }
         let cloth = &self.cloth;
         let yarn = cloth.yarn(listed.index);
-        let depth = crossing.optical_depth(&yarn, cloth.layers(), counters);
+        let depth = crossing.optical_depth::<L>(&yarn, cloth.layers(), counters);
         if depth > 0.0 {
             counters.contributing_hits += 1;
             found(Event {

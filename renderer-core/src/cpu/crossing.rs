@@ -7,6 +7,7 @@
 
 use glam::Vec3A;
 
+use super::lanes::Lanes;
 use super::patch::{Patch, Root, Roots, Slopes, Span};
 use super::volume::Yarn;
 use crate::render::Counters;
@@ -151,25 +152,28 @@ impl Crossing {
 
     /// Optical depth of the crossing.
     #[inline(always)]
-    pub fn optical_depth(&self, yarn: &Yarn<'_>, layers: usize, counters: &mut Counters) -> f32 {
+    pub fn optical_depth<L: Lanes>(
+        &self,
+        yarn: &Yarn<'_>,
+        layers: usize,
+        counters: &mut Counters,
+    ) -> f32 {
         let mut sum = 0.0;
         for part in self.slabs(layers) {
             counters.volume_samples += 1;
-            let [u, v, w] = self.place(part.middle());
-            sum += yarn.rho(u, v, w) * part.length();
+            sum += yarn.rho::<L>(self.place(part.middle())) * part.length();
         }
         sum * yarn.density
     }
 
     /// The mean over its slabs, weighted by what each takes from the ray.
     #[inline(always)]
-    pub fn mean_point(&self, yarn: &Yarn<'_>, layers: usize) -> MeanPoint {
+    pub fn mean_point<L: Lanes>(&self, yarn: &Yarn<'_>, layers: usize) -> MeanPoint {
         let (mut transmittance, mut weight, mut tau, mut shade) = (1.0, 0.0, 0.0, 0.0);
         for part in self.slabs(layers) {
             let place = self.place(part.middle());
-            let [u, v, w] = place;
             // Not as a difference of transmittances: thin pile would have none of its digits left.
-            let depth = yarn.density * yarn.rho(u, v, w) * part.length();
+            let depth = yarn.density * yarn.rho::<L>(place) * part.length();
             let taken = transmittance * -(-depth).exp_m1();
             if taken > 0.0 {
                 weight += taken;

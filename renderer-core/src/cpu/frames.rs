@@ -30,6 +30,9 @@ pub(super) struct Frames {
     pub index: [u32; LANES],
 }
 
+/// The numbers of the lanes.
+const NUMBERS: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+
 /// What f32 may round off a place in a frame.
 const ROUNDED: f32 = 1e-4;
 
@@ -165,7 +168,7 @@ impl Frames {
         index: [0; LANES],
     };
 
-    /// The frames of a batch, and a bit for each that the ray may be in.
+    /// The frames of a batch, and a bit for each that the ray may be in; it is never in the others.
     #[inline(always)]
     pub fn new<L: Lanes>(batch: &Batch, cloth: &Cloth, part: &BlockRay) -> (Self, u32) {
         let Patches {
@@ -202,19 +205,20 @@ impl Frames {
         ];
         let [low, high] = clip_bent(part, bent, most);
 
-        let kept = L::bits(low.lt(high)) & batch.all();
+        // Lanes without a loop hold any frame.
+        let is_met = low.lt(high) & L::load(&NUMBERS).lt(L::splat(batch.len() as f32));
         let frames = Self {
             p: [stored(p[0]), stored(p[1])],
             q: [stored(q[0]), stored(q[1])],
             height: [stored(height[0]), stored(height[1])],
             skew: [stored(alpha), stored(beta)],
             lift: stored(lift),
-            low: stored(low),
+            low: stored(L::select(is_met, low, L::splat(f32::INFINITY))),
             high: stored(high),
             holding: 0,
             index: batch.indices(),
         };
-        (frames, kept)
+        (frames, L::bits(is_met))
     }
 
     /// How long the part of the ray is that may be in the frame of `lane`, mm.
@@ -233,8 +237,7 @@ impl Frames {
         let lane = lane & (LANES - 1);
         let (half, one) = (L::splat(0.5), L::splat(1.0));
         let step = self.length(lane) * (1.0 / LANES as f32);
-        let numbers = L::load(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
-        let from = L::splat(self.low[lane]) + numbers * L::splat(step);
+        let from = L::splat(self.low[lane]) + L::load(&NUMBERS) * L::splat(step);
         let to = from + L::splat(step);
         let p = between([self.p[0][lane], self.p[1][lane]], from, to);
         let q = between([self.q[0][lane], self.q[1][lane]], from, to);

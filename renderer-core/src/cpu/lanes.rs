@@ -37,6 +37,8 @@ pub(super) trait Lanes:
     fn store(self, values: &mut [f32; LANES]);
     /// The components of eight records of eight numbers: result `k` holds number `k` of each.
     fn columns(records: [[i16; LANES]; LANES]) -> [Self; LANES];
+    /// Eight small numbers.
+    fn bytes(values: [u8; LANES]) -> Self;
 
     fn abs(self) -> Self;
     fn sqrt(self) -> Self;
@@ -58,6 +60,14 @@ pub(super) trait Lanes:
     fn field(words: Self::Words, from: u32, mask: u32) -> Self;
     /// Whether a word has any of `bits`.
     fn has(words: Self::Words, bits: u32) -> Self::Mask;
+
+    /// The sum of the eight: of numbers four apart first, then two, then one.
+    #[inline(always)]
+    fn sum(self) -> f32 {
+        let mut x = [0.0; LANES];
+        self.store(&mut x);
+        ((x[0] + x[4]) + (x[2] + x[6])) + ((x[1] + x[5]) + (x[3] + x[7]))
+    }
 
     /// The smallest of the eight.
     #[inline(always)]
@@ -168,6 +178,11 @@ impl Lanes for Plain {
     #[inline(always)]
     fn columns(records: [[i16; LANES]; LANES]) -> [Self; LANES] {
         std::array::from_fn(|k| Self(std::array::from_fn(|lane| f32::from(records[lane][k]))))
+    }
+
+    #[inline(always)]
+    fn bytes(values: [u8; LANES]) -> Self {
+        Self(values.map(f32::from))
     }
 
     #[inline(always)]

@@ -88,7 +88,7 @@ impl Tracer {
                 .or(overlaps.last())
                 .map(|overlap| {
                     let shade = self.cloth.yarn(overlap.index).shade(overlap.place);
-                    self.loop_vertex(ray, overlap.index, tentative.t, overlap.place, shade)
+                    self.loop_vertex::<L>(ray, overlap.index, tentative.t, overlap.place, shade)
                 });
             ControlFlow::Break(())
         });
@@ -194,35 +194,20 @@ impl Tracer {
         let cloth = &self.cloth;
         let along = &mut scratch.along;
         along.clear();
+        // Lanes that are free in the last of them.
         let mut free = 0;
+        let is_cut = self.skips_empty && cloth.is_sparse();
         let mut batch = Batch::new();
         let mut met = block.met_by(piece, LoopPart::Volume, false, self.skips_empty);
         loop {
             let is_more_left = met.fill::<L>(&mut batch, |_| true);
             if !batch.is_empty() {
                 scratch.counters.patch_tests += batch.len() as u64;
-                let (frames, mut kept) = Frames::new::<L>(&batch, cloth, piece);
-                while kept != 0 {
-                    let lane = kept.trailing_zeros() as usize;
-                    kept &= kept - 1;
-                    // Bits of the eighths of the ray's part in the frame where there is yarn.
-                    let mut full = 0xff;
-                    if self.skips_empty && frames.length(lane) > cloth.worth_looking_mm {
-                        full = self.full_pieces::<L>(&frames, lane);
-                    }
-                    while full != 0 {
-                        let first = full.trailing_zeros();
-                        let count = (full >> first).trailing_ones();
-                        full &= full.wrapping_add(1 << first);
-                        if free == 0 {
-                            along.push(Frames::NONE);
-                            free = LANES;
-                        }
-                        if let Some(last) = along.last_mut() {
-                            last.put_part(LANES - free, &frames, lane, first, count);
-                        }
-                        free -= 1;
-                    }
+                let (frames, kept) = Frames::new::<L>(&batch, cloth, piece);
+                if is_cut {
+                    free = self.put_full_parts::<L>(&frames, kept, along, free);
+                } else if kept != 0 {
+                    along.push(frames);
                 }
                 batch.clear();
             }
@@ -230,6 +215,41 @@ impl Tracer {
                 break;
             }
         }
+    }
+
+    /// Adds those eighths of the ray's parts in the frames of some lanes in which there may be yarn, neighbours as one;
+    /// `free` lanes are free in the last of `along`, as many as the answer will be.
+    #[inline(always)]
+    fn put_full_parts<L: Lanes>(
+        &self,
+        frames: &Frames,
+        mut lanes: u32,
+        along: &mut Vec<Frames>,
+        mut free: usize,
+    ) -> usize {
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize;
+            lanes &= lanes - 1;
+            // Bits of the eighths.
+            let mut full = 0xff;
+            if frames.length(lane) > self.cloth.worth_looking_mm {
+                full = self.full_pieces::<L>(frames, lane);
+            }
+            while full != 0 {
+                let first = full.trailing_zeros();
+                let count = (full >> first).trailing_ones();
+                full &= full.wrapping_add(1 << first);
+                if free == 0 {
+                    along.push(Frames::NONE);
+                    free = LANES;
+                }
+                if let Some(last) = along.last_mut() {
+                    last.put_part(LANES - free, frames, lane, first, count);
+                }
+                free -= 1;
+            }
+        }
+        free
     }
 
     /// A bit for each eighth of the ray's part in the frame of `lane` in which there may be yarn.
@@ -327,8 +347,7 @@ impl Tracer {
                 let index = frames.index[lane];
                 let yarn = self.cloth.yarn(index);
                 let place = [places.u[lane], places.v[lane], places.w[lane]];
-                let [u, v, w] = place;
-                let rho = yarn.rho(u, v, w);
+                let rho = yarn.rho::<L>(place);
                 if rho > 0.0 {
                     let sigma = yarn.density * rho;
                     (sum_rho, sum_sigma) = (sum_rho + rho, sum_sigma + sigma);

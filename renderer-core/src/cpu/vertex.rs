@@ -4,6 +4,7 @@ use glam::{DMat3, DVec3, Vec3A};
 
 use super::event::Event;
 use super::ground::GroundHit;
+use super::lanes::Lanes;
 use super::patch::Patch;
 use super::tracer::Tracer;
 use crate::design::{Phase, SkeletonShading};
@@ -13,19 +14,19 @@ use crate::optics::{Lobe, Vertex};
 impl Tracer {
     /// The point at which an event scatters; the ray came to the cloth `start` mm from its origin.
     #[inline(always)]
-    pub(super) fn event_vertex(&self, ray: &Ray, event: &Event, start: f64) -> Vertex {
+    pub(super) fn event_vertex<L: Lanes>(&self, ray: &Ray, event: &Event, start: f64) -> Vertex {
         let cloth = &self.cloth;
         let mean = event
             .crossing
-            .mean_point(&cloth.yarn(event.index), cloth.layers());
+            .mean_point::<L>(&cloth.yarn(event.index), cloth.layers());
         // The crossing counts from the beginning of the block that found it.
         let t = start + f64::from(event.found_from) + f64::from(mean.t);
-        self.loop_vertex(ray, event.index, t, mean.place, mean.shade)
+        self.loop_vertex::<L>(ray, event.index, t, mean.place, mean.shade)
     }
 
     /// The point of a loop at distance `t` of `ray` and at (u, v, w) inside the loop.
     #[inline(always)]
-    pub(super) fn loop_vertex(
+    pub(super) fn loop_vertex<L: Lanes>(
         &self,
         ray: &Ray,
         index: u32,
@@ -51,7 +52,7 @@ impl Tracer {
                 }
             }
             Phase::GradientLambert => {
-                let slopes = cloth.yarn(index).slopes(place);
+                let slopes = cloth.yarn(index).slopes::<L>(place);
                 let [u, v, w] = jacobian(&patch, normal, self.cloth.thickness, place);
                 // J⁻ᵀ times the slopes.
                 let gradient =

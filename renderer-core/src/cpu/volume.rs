@@ -1,7 +1,9 @@
-//! Densities inside loops (MODEL.md §5), stored so that one load brings the four voxels that a bilinear look needs.
+//! Densities inside loops (MODEL.md §5), a byte each and all layers of a place together: so small, and what a look needs
+//! so near to each other, that looks seldom wait for memory.
 
 use glam::{DMat3, DVec3};
 
+use super::lanes::{LANES, Lanes};
 use crate::design::Interpolation;
 use crate::geometry::main_axis;
 use crate::scene::{LoopLook, PileOptics, Section, Volumes};
@@ -9,14 +11,17 @@ use crate::scene::{LoopLook, PileOptics, Section, Volumes};
 /// All volumes of a scene.
 #[derive(Debug)]
 pub(super) struct VoxelTable {
-    /// ρ of a voxel and of its neighbours along u, along v, and along both, 255 = 1; clamped at the borders.
-    quads: Vec<[u8; 4]>,
+    /// ρ of the voxels, 255 = 1: of a volume by rows along v, columns along u and layers along w, which are next to each
+    /// other; then as many zeros as a look from the last voxel reaches beyond it.
+    rho: Vec<u8>,
     /// Of sparse volumes, for each and each (l, b, a) from 0 to layers, side and side: how many of the voxels before it
     /// along all three axes are not empty. Nobody looks where others are empty.
     full_before: Vec<u32>,
     /// Voxels along u and along v.
     side: usize,
     layers: usize,
+    /// Voxels of a volume.
+    volume_size: usize,
     linear: bool,
     /// Share of the loop, from its root, over which density fades in.
     root_blend: f32,
@@ -31,6 +36,8 @@ pub(super) struct VoxelTable {
 pub(super) struct Yarn<'a> {
     table: &'a VoxelTable,
     volume: usize,
+    /// Index of the volume's first voxel.
+    first: usize,
     /// Extinction where ρ = 1, 1/mm.
     pub density: f32,
 }
@@ -38,24 +45,25 @@ pub(super) struct Yarn<'a> {
 impl VoxelTable {
     pub fn new(volumes: &Section<Volumes>, pile: &PileOptics) -> Self {
         let (side, layers) = (volumes.resolution as usize, volumes.layers as usize);
-        let volume = layers * side * side;
-        let quad = |index: usize| {
-            let (a, b) = (index % side, index / side % side);
-            let right = usize::from(a + 1 < side);
-            let up = side * usize::from(b + 1 < side);
-            [index, index + right, index + up, index + right + up].map(|k| volumes.voxels[k][0])
+        let volume_size = layers * side * side;
+        let rho = |index: usize| {
+            let (place, layer) = (index % volume_size / layers, index % layers);
+            volumes.voxels[index / volume_size * volume_size + layer * side * side + place][0]
         };
+        let voxels = 0..volumes.voxels.len();
+        let reach = (side + 1) * layers + 1;
         let looked_into = match is_sparse(&volumes.voxels) {
             true => &volumes.voxels[..],
             false => &[],
         };
         Self {
-            quads: (0..volumes.voxels.len()).map(quad).collect(),
-            full_before: (looked_into.chunks(volume))
+            rho: voxels.map(rho).chain(vec![0; reach]).collect(),
+            full_before: (looked_into.chunks(volume_size))
                 .flat_map(|voxels| full_before(voxels, [side, side, layers]))
                 .collect(),
             side,
             layers,
+            volume_size,
             linear: volumes.interpolation == Interpolation::Linear,
             root_blend: volumes.root_blend,
             materials: (pile.materials.iter())
@@ -72,9 +80,11 @@ impl VoxelTable {
     #[inline(always)]
     pub fn yarn(&self, look: LoopLook) -> Yarn<'_> {
         let (first, density) = self.materials[usize::from(look.material)];
+        let volume = first + usize::from(look.variant);
         Yarn {
             table: self,
-            volume: first + usize::from(look.variant),
+            volume,
+            first: volume * self.volume_size,
             density,
         }
     }
@@ -90,7 +100,7 @@ impl VoxelTable {
 
     /// Bytes of the voxels.
     pub fn bytes(&self) -> u64 {
-        (size_of_val(&*self.quads) + size_of_val(&*self.full_before)) as u64
+        (size_of_val(&*self.rho) + size_of_val(&*self.full_before)) as u64
     }
 }
 
@@ -125,12 +135,6 @@ fn full_before(voxels: &[[u8; 2]], [columns, rows, layers]: [usize; 3]) -> Vec<u
 }
 
 impl Yarn<'_> {
-    /// Index of the volume's first voxel and quad.
-    #[inline(always)]
-    fn first(&self) -> usize {
-        self.volume * self.table.layers * self.table.side * self.table.side
-    }
-
     /// Whether ρ is 0 everywhere from the lowest to the highest u, v and w, of a sparse volume.
     #[inline(always)]
     pub fn is_empty(&self, u: [f32; 2], v: [f32; 2], w: [f32; 2]) -> bool {
@@ -160,35 +164,48 @@ impl Yarn<'_> {
 
     /// ρ at (u, v, w), faded out towards the root.
     #[inline(always)]
-    pub fn rho(&self, u: f32, v: f32, w: f32) -> f32 {
+    pub fn rho<L: Lanes>(&self, place: [f32; 3]) -> f32 {
+        self.unfaded_rho::<L>(place) * self.fade(place[1])
+    }
+
+    /// ρ at (u, v, w), without the fade.
+    #[inline(always)]
+    fn unfaded_rho<L: Lanes>(&self, [u, v, w]: [f32; 3]) -> f32 {
         let table = self.table;
-        let (last, layers) = ((table.side - 1) as f32, table.layers as f32);
-        let x = (u * table.side as f32 - 0.5).clamp(0.0, last);
-        let y = (v * table.side as f32 - 0.5).clamp(0.0, last);
-        let (a, b) = (x as usize, y as usize);
-        let texel = self.first() + b * table.side + a;
-        let layer_size = table.side * table.side;
-        let bilinear = |layer: usize| {
-            let quad = table.quads[texel + layer * layer_size].map(f32::from);
-            let (right, up) = (x - a as f32, y - b as f32);
-            let lower = quad[0] + right * (quad[1] - quad[0]);
-            let upper = quad[2] + right * (quad[3] - quad[2]);
-            lower + up * (upper - lower)
-        };
-        let sum = if table.linear {
-            let z = ((w + 0.5) * layers - 0.5).clamp(0.0, layers - 1.0);
-            let near = z as usize;
-            let share = z - near as f32;
-            let here = bilinear(near);
-            if share > 0.0 {
-                here + share * (bilinear(near + 1) - here)
-            } else {
-                here
-            }
+        let (side, layers) = (table.side as f32, table.layers as f32);
+        let x = (u * side - 0.5).clamp(0.0, side - 1.0);
+        let y = (v * side - 0.5).clamp(0.0, side - 1.0);
+        let z = if table.linear {
+            ((w + 0.5) * layers - 0.5).clamp(0.0, layers - 1.0)
         } else {
-            bilinear((((w + 0.5) * layers) as usize).min(table.layers - 1))
+            ((w + 0.5) * layers).clamp(0.0, layers - 1.0).trunc()
         };
-        sum * (1.0 / 255.0) * self.fade(v)
+        let (column, row, layer) = (x as u32, y as u32, z as u32);
+        let place = (row as usize * table.side + column as usize) * table.layers;
+        let voxel = self.first + place + layer as usize;
+        // Beyond the last row, column or layer it looks at what is not there, which has no share.
+        let corners = |from: usize| {
+            let pair = |from: usize| [table.rho[from], table.rho[from + 1]];
+            let ([a, b], [c, d]) = (pair(from), pair(from + table.layers));
+            [a, b, c, d]
+        };
+        let ([a, b, c, d], [e, f, g, h]) =
+            (corners(voxel), corners(voxel + table.side * table.layers));
+        let corners = [a, b, c, d, e, f, g, h];
+        // Many looks are into air.
+        if corners == [0; LANES] {
+            return 0.0;
+        }
+        // Of each corner, its share along an axis: 1 − x of those that are not ahead, x of those that are.
+        let share = |x: f32, ahead: [f32; LANES]| {
+            let ahead = L::load(&ahead);
+            let one = L::splat(1.0);
+            (one - ahead) + (ahead + ahead - one) * L::splat(x)
+        };
+        let weights = share(z - layer as f32, [0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0])
+            * share(x - column as f32, [0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0])
+            * share(y - row as f32, [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0]);
+        (weights * L::bytes(corners)).sum() * (1.0 / 255.0)
     }
 
     /// Share of the density that a loop has at height `v` above its root.
@@ -220,13 +237,16 @@ impl Yarn<'_> {
             false => nearest(w + 0.5, table.layers),
         };
         let (columns, rows) = (pair(u, table.side), pair(v, table.side));
-        [0, 1, 2, 3, 4, 5, 6, 7].map(|corner: usize| {
+        // Not `map`, which is not inlined.
+        let mut around = [(0, 0.0); 8];
+        for (corner, voxel) in around.iter_mut().enumerate() {
             let (layer, layer_weight) = across[corner >> 2];
             let (row, row_weight) = rows[corner >> 1 & 1];
             let (column, column_weight) = columns[corner & 1];
-            let index = self.first() + (layer * table.side + row) * table.side + column;
-            (index, layer_weight * row_weight * column_weight)
-        })
+            let index = self.first + (layer * table.side + row) * table.side + column;
+            *voxel = (index, layer_weight * row_weight * column_weight);
+        }
+        around
     }
 
     /// Factor on the albedo at (u, v, w); 1 where nothing is.
@@ -242,26 +262,25 @@ impl Yarn<'_> {
 
     /// ∂ρ/∂u, ∂ρ/∂v and ∂ρ/∂w at (u, v, w), without the fade: central differences, a voxel to each side along u and v,
     /// a layer to each side along w; beyond the volume its border goes on.
-    pub fn slopes(&self, place: [f32; 3]) -> DVec3 {
-        let rho = |place| -> f32 {
-            let weighted = |(voxel, weight): (usize, f32)| {
-                weight * f32::from(self.table.volumes.voxels[voxel][0])
-            };
-            self.around(place).map(weighted).iter().sum::<f32>() / 255.0
-        };
-        let along = |axis: usize, count: usize| {
-            let step = 1.0 / count as f32;
-            let (mut ahead, mut behind) = (place, place);
-            ahead[axis] += step;
-            behind[axis] -= step;
-            f64::from((rho(ahead) - rho(behind)) / (2.0 * step))
-        };
+    #[inline(always)]
+    pub fn slopes<L: Lanes>(&self, place: [f32; 3]) -> DVec3 {
         let table = self.table;
-        DVec3::new(
-            along(0, table.side),
-            along(1, table.side),
-            along(2, table.layers),
-        )
+        let mut slopes = DVec3::ZERO;
+        // A loop, and no closure: see `wide`.
+        for (axis, count) in [table.side, table.side, table.layers]
+            .into_iter()
+            .enumerate()
+        {
+            let step = 1.0 / count as f32;
+            let mut rise = 0.0;
+            for step in [step, -step] {
+                let mut beside = place;
+                beside[axis] += step;
+                rise += self.unfaded_rho::<L>(beside) * step.signum();
+            }
+            slopes[axis] = f64::from(rise / (2.0 * step));
+        }
+        slopes
     }
 
     /// The fibre's direction at (u, v, w) in the coordinates (u, v, w), not normalised: the main axis of the mean ttᵀ.

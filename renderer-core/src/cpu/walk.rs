@@ -155,17 +155,22 @@ impl<'a> Walk<'a> {
         let origin = ray.origin.truncate();
         let direction = ray.direction.truncate();
         let start = (origin + direction * t) / grid.pitch + grid.half;
-        let square = [0, 1].map(|axis| {
+        // Not `map`, which is not inlined.
+        let square_on = |axis: usize| {
             let square = (start[axis] / side as f64).floor() as i64;
             square.clamp(limits[0][axis], limits[1][axis] - 1)
-        });
-        let forwards = [0, 1].map(|axis| direction[axis] > 0.0);
+        };
+        let square = [square_on(0), square_on(1)];
+        let forwards = [direction.x > 0.0, direction.y > 0.0];
         let mut walk = Self {
             grid,
             origin,
             inverse: 1.0 / direction,
-            step: forwards.map(|forwards| if forwards { 1 } else { -1 }),
-            ahead: forwards.map(i64::from),
+            step: [
+                2 * i64::from(forwards[0]) - 1,
+                2 * i64::from(forwards[1]) - 1,
+            ],
+            ahead: [i64::from(forwards[0]), i64::from(forwards[1])],
             side,
             limits,
             square,

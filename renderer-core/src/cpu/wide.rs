@@ -200,6 +200,15 @@ mod avx2 {
         }
 
         #[inline(always)]
+        fn bytes(values: [u8; LANES]) -> Self {
+            // SAFETY: see [`Avx2`]; there are eight.
+            unsafe {
+                let words = _mm256_cvtepu8_epi32(_mm_loadl_epi64(values.as_ptr().cast()));
+                Self(_mm256_cvtepi32_ps(words))
+            }
+        }
+
+        #[inline(always)]
         fn abs(self) -> Self {
             // SAFETY: see [`Avx2`].
             Self(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
@@ -271,6 +280,18 @@ mod avx2 {
                 let lacks = _mm256_cmpeq_epi32(kept, _mm256_setzero_si256());
                 let all = _mm256_set1_epi32(-1);
                 Mask(_mm256_castsi256_ps(_mm256_xor_si256(lacks, all)))
+            }
+        }
+
+        #[inline(always)]
+        fn sum(self) -> f32 {
+            // SAFETY: see [`Avx2`].
+            unsafe {
+                let low = _mm256_castps256_ps128(self.0);
+                let fours = _mm_add_ps(low, _mm256_extractf128_ps::<1>(self.0));
+                let pairs = _mm_add_ps(fours, _mm_movehl_ps(fours, fours));
+                let one = _mm_add_ss(pairs, _mm_shuffle_ps::<1>(pairs, pairs));
+                _mm_cvtss_f32(one)
             }
         }
 

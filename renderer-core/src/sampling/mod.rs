@@ -176,9 +176,14 @@ static BYTES: [[[u32; 4]; 256]; 4] = {
 
 /// The first four Sobol dimensions of point `index`.
 pub fn sobol(index: u32) -> [u32; 4] {
-    let [a, b, c, d] = index.to_le_bytes().map(usize::from);
-    let rows = [&BYTES[0][a], &BYTES[1][b], &BYTES[2][c], &BYTES[3][d]];
-    [0, 1, 2, 3].map(|x: usize| rows[0][x] ^ rows[1][x] ^ rows[2][x] ^ rows[3][x])
+    // Not `map`, which is not inlined.
+    let mut point = [0; 4];
+    for (sums, byte) in BYTES.iter().zip(index.to_le_bytes()) {
+        for (value, sum) in point.iter_mut().zip(&sums[usize::from(byte)]) {
+            *value ^= sum;
+        }
+    }
+    point
 }
 
 /// The four numbers in [0, 2³²) of a set, for sample `sample` of the pixel with seed `pixel_seed`: a point of the

@@ -1,6 +1,13 @@
 """From pictures and times to figures."""
 
+import flip_evaluator
 import numpy as np
+
+
+def displayed(picture):
+    """Linear RGB as sRGB with a hard clip."""
+    clipped = np.clip(picture, 0, 1)
+    return np.where(clipped <= 0.0031308, 12.92 * clipped, 1.055 * clipped ** (1 / 2.4) - 0.055).astype(np.float32)
 
 
 class Truth:
@@ -18,6 +25,12 @@ class Truth:
     def squared_error(self, picture):
         """Square of the relRMSE of a picture, the truth's own noise taken out."""
         return (float(np.mean((picture - self.picture) ** 2)) - self.noise) / self.mean**2
+
+
+    def flip(self, picture):
+        """Mean FLIP of a picture as displayed; the truth's own noise counts, too."""
+        _, mean, _ = flip_evaluator.evaluate(displayed(self.picture), displayed(picture), "LDR", applyMagma=False)
+        return float(mean)
 
 
 def time_to(target, points):

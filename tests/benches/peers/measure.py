@@ -1,4 +1,4 @@
-"""Measures our renderer and its peers on the same towel, in turns, in one run. `run` calls this; see README.md."""
+"""Measures our renderer and its peers on the same towels, in turns, in one run. `run` calls this; see README.md."""
 
 import argparse
 import json
@@ -15,18 +15,20 @@ mi.set_variant("scalar_rgb")  # reads pictures
 
 import figures
 import report
-from renderers import WARPS, Field, Ours, Peer
+from renderers import Field, Ours, Peer
+from tasks import TASKS
 
+# Environment, script, its setting, and whether Open Image Denoise is built in.
 PEERS = {
-    "mitsuba-llvm": ("mitsuba", "peer_mitsuba.py", "llvm_ad_rgb"),
-    "mitsuba-scalar": ("mitsuba", "peer_mitsuba.py", "scalar_rgb"),
-    "cycles-thick": ("cycles", "peer_cycles.py", "THICK"),
-    "cycles-ribbons": ("cycles", "peer_cycles.py", "RIBBONS"),
+    "mitsuba-llvm": ("mitsuba", "peer_mitsuba.py", "llvm_ad_rgb", False),
+    "mitsuba-scalar": ("mitsuba", "peer_mitsuba.py", "scalar_rgb", False),
+    "cycles-thick": ("cycles", "peer_cycles.py", "THICK", True),
+    "cycles-ribbons": ("cycles", "peer_cycles.py", "RIBBONS", True),
 }
 OURS = ["single=--method single", "exact=--method exact", "tracked=--method tracked"]
-TARGET = 0.2
-# Lengths of the preset's loops after the edit, mm; the preset has 2.
-EDITED_LENGTH = 2.3
+TARGETS = {"relRMSE": 0.2, "FLIP": 0.1}
+# The task whose towel grows.
+GROWING = "smooth"
 # Samples of the pictures that growth is measured with: enough that what a picture costs beside samples hardly counts.
 GROWTH_SAMPLES = 4
 MOST_SAMPLES = 512
@@ -35,7 +37,8 @@ MOST_SAMPLES = 512
 def arguments():
     parser = argparse.ArgumentParser(prog="run", description=__doc__)
     parser.add_argument("--binary", required=True, help="our program, beside which towel-bench lies; run builds both where none is given")
-    parser.add_argument("--preset", required=True)
+    parser.add_argument("--root", required=True, help="the repository, in which the tasks' presets are")
+    parser.add_argument("--tasks", default=",".join(TASKS), help="which towels, with commas between them")
     parser.add_argument("--cache", required=True, help="folder of the peers' environments")
     parser.add_argument("-o", "--output", default="peers-out", help="folder to write to")
     parser.add_argument(
@@ -62,14 +65,14 @@ def start(given, folder):
     ours = [argument.split("=", 1) for argument in given.ours or OURS]
     renderers = [Ours(name, given.binary, shlex.split(words), given.size, folder) for name, words in ours]
     for name in filter(None, given.peers.split(",")):
-        environment, script, setting = PEERS[name]
+        environment, script, setting, has_denoiser = PEERS[name]
         python = str(Path(given.cache) / environment / "bin" / "python")
-        renderers.append(Peer(name, python, script, setting, given.size, given.verbose))
+        renderers.append(Peer(name, python, script, setting, has_denoiser, given.size, given.verbose))
     return renderers
 
 
 class Run:
-    """What is measured, in turns, so that a disturbance of the machine hits all alike."""
+    """What is measured of one task, in turns, so that a disturbance of the machine hits all alike."""
 
     def __init__(self, given, renderers, folder):
         self.given, self.renderers, self.folder = given, renderers, folder
@@ -80,10 +83,11 @@ class Run:
     def say(self, text):
         print(f"[load {os.getloadavg()[0]:.1f}] {text}", flush=True)
 
-    def render(self, renderer, samples):
+    def render(self, renderer, samples, denoised=False):
         """Renders with a seed that nobody had before."""
         self.seed += 1
-        spent = renderer.render(samples, self.seed, self.picture)
+        draw = renderer.denoised if denoised else renderer.render
+        spent = draw(samples, self.seed, self.picture)
         return spent, np.load(self.picture)
 
     def open(self, field):
@@ -102,10 +106,11 @@ class Run:
             self.results[renderer.name]["truth_noise"] = truth.relative_noise
             self.say(f"{renderer.name}: converged picture, noise {truth.relative_noise:.3f}")
 
-    def one(self, renderer, samples):
-        spent, picture = self.render(renderer, samples)
-        spent["squared_error"] = self.truth[renderer.name].squared_error(picture)
-        pictures = self.results[renderer.name].setdefault("pictures", {})
+    def one(self, renderer, samples, denoised):
+        spent, picture = self.render(renderer, samples, denoised)
+        truth = self.truth[renderer.name]
+        spent |= {"squared_error": truth.squared_error(picture), "flip": truth.flip(picture)}
+        pictures = self.results[renderer.name].setdefault("denoised" if denoised else "pictures", {})
         pictures.setdefault(samples, []).append(spent)
 
     def errors(self):
@@ -117,18 +122,21 @@ class Run:
         for repeat in range(self.given.repeats):
             for samples in counts:
                 for renderer in self.renderers:
-                    self.one(renderer, samples)
+                    for denoised in (False, True):
+                        self.one(renderer, samples, denoised)
             self.say(f"pictures of all numbers of samples, {repeat + 1} of {self.given.repeats}")
         for renderer in self.renderers:
             samples = counts[-1]
-            while self.error(renderer, samples) > TARGET and samples < MOST_SAMPLES and not self.given.quick:
+            while not self.is_quiet(renderer, samples) and samples < MOST_SAMPLES and not self.given.quick:
                 samples *= 2
-                self.one(renderer, samples)
+                self.one(renderer, samples, False)
                 self.say(f"{renderer.name}: {samples} samples too")
 
-    def error(self, renderer, samples):
-        squares = [p["squared_error"] for p in self.results[renderer.name]["pictures"][samples]]
-        return max(float(np.mean(squares)), 0.0) ** 0.5
+    def is_quiet(self, renderer, samples):
+        """Whether plain pictures of so many samples meet both targets."""
+        rows = self.results[renderer.name]["pictures"][samples]
+        square, flip = (np.mean([row[key] for row in rows]) for key in ("squared_error", "flip"))
+        return square <= TARGETS["relRMSE"] ** 2 and flip <= TARGETS["FLIP"]
 
     def edits(self, there, back):
         for repeat in range(self.given.repeats + 1):
@@ -164,44 +172,38 @@ def machine():
     return {"processor": model, "cores": os.cpu_count(), "system": platform.platform()}
 
 
+def measure(given, task, renderers, folder, output):
+    """All that is measured of one task."""
+    preset = str(Path(given.root) / task.preset)
+    make = lambda **what: Field(given.binary, preset, task, folder, **what)
+    base, edited = make(), make(length=task.edited_length)
+    widths = [int(width) for width in given.growth.split(",")] if task.name == GROWING else []
+    fields = [base if width == task.warps else make(warps=width) for width in widths]
+    run = Run(given, renderers, folder)
+    loads = [os.getloadavg()[0]]
+    for step in (lambda: run.open(base), run.truths, run.errors, lambda: run.edits(edited, base), lambda: run.growth(fields)):
+        step()
+        loads.append(os.getloadavg()[0])
+    pictures = {name: truth.picture for name, truth in run.truth.items()}
+    for name, picture in pictures.items():
+        save_picture(output / f"{task.name}-{name}.png", picture)
+    alike = {
+        a: {b: figures.correlation(pictures[a], pictures[b]) for b in pictures if run.results[b]["peer"]} for a in pictures
+    }
+    return {"about": task.about, "loads": loads, "alike": alike, "renderers": run.results}
+
+
 def main():
     given = arguments()
     output = Path(given.output)
     output.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="towel-peers-") as folder:
         folder = Path(folder)
-        make = lambda **what: Field(given.binary, given.preset, folder, **what)
-        base, edited = make(), make(length=EDITED_LENGTH)
-        widths = [int(width) for width in given.growth.split(",")]
-        fields = [base if width == WARPS else make(warps=width) for width in widths]
         renderers = start(given, folder)
-        run = Run(given, renderers, folder)
-        loads = [os.getloadavg()[0]]
-        run.open(base)
-        run.truths()
-        loads.append(os.getloadavg()[0])
-        run.errors()
-        loads.append(os.getloadavg()[0])
-        run.edits(edited, base)
-        run.growth(fields)
-        loads.append(os.getloadavg()[0])
+        tasks = {name: measure(given, TASKS[name], renderers, folder, output) for name in given.tasks.split(",")}
         for renderer in renderers:
             renderer.close()
-    pictures = {name: truth.picture for name, truth in run.truth.items()}
-    for name, picture in pictures.items():
-        save_picture(output / f"{name}.png", picture)
-    alike = {
-        a: {b: figures.correlation(pictures[a], pictures[b]) for b in pictures if run.results[b]["peer"]} for a in pictures
-    }
-    results = {
-        "machine": machine() | {"loads": loads},
-        "target": TARGET,
-        "size": given.size,
-        "repeats": given.repeats,
-        "edited_length": EDITED_LENGTH,
-        "alike": alike,
-        "renderers": run.results,
-    }
+    results = {"machine": machine(), "targets": TARGETS, "size": given.size, "repeats": given.repeats, "tasks": tasks}
     (output / "results.json").write_text(json.dumps(results, indent=1) + "\n")
     # Numbers of samples are text in JSON: what is reported is what was written.
     text = report.write(json.loads((output / "results.json").read_text()))

@@ -1,4 +1,4 @@
-"""Blender's Cycles draws the towel: hair curves, direct light, the scene kept from picture to picture.
+"""Blender's Cycles draws the towel: hair curves, the scene kept from picture to picture.
 
 Run by measure.py: peer_cycles.py THICK|RIBBONS SIZE
 """
@@ -34,9 +34,7 @@ class Cycles:
         cycles = scene.cycles
         cycles.device = "CPU"
         cycles.use_adaptive_sampling = False
-        cycles.use_denoising = False
-        # Direct light alone, of sun and sky.
-        cycles.max_bounces = 0
+        cycles.denoiser = "OPENIMAGEDENOISE"
         # Measured: two lights need no tree, and blue noise has 0.93 of the squared error of plain Sobol points.
         cycles.use_light_tree = False
         cycles.sampling_pattern = "BLUE_NOISE"
@@ -49,6 +47,8 @@ class Cycles:
 
     def open(self, towel, points):
         self.radius = towel.radius
+        cycles = self.scene.cycles
+        cycles.max_bounces = cycles.diffuse_bounces = towel.bounces - 1
         for material in list(bpy.data.materials):
             bpy.data.materials.remove(material)
         for thing in list(bpy.data.objects):
@@ -111,7 +111,9 @@ class Cycles:
         self.loops.attributes["position"].data.foreach_set("vector", points.ravel())
         self.loops.update_tag()
 
-    def render(self, samples, seed):
+    def render(self, samples, seed, denoise=False):
+        # With first-hit albedo and normals, as Cycles does unless told otherwise.
+        self.scene.cycles.use_denoising = denoise
         self.scene.cycles.samples = samples
         self.scene.cycles.seed = seed
         # Settings of Cycles alone do not tell Blender that anything has changed; one of its own does, and is the cheapest.

@@ -1,4 +1,4 @@
-"""Mitsuba 3 draws the towel: B-spline curves on Embree, direct light, one thread a core.
+"""Mitsuba 3 draws the towel: B-spline curves on Embree, one thread a core.
 
 Run by measure.py: peer_mitsuba.py llvm_ad_rgb|scalar_rgb SIZE
 """
@@ -36,6 +36,14 @@ def set_array(parameters, key, value):
         parameters.set_property(current, kind, value)
 
 
+def integrator(bounces):
+    """One sample of a light at each scattering, and one of the surface, which alone finds the sky."""
+    if bounces == 1:
+        return {"type": "direct", "emitter_samples": 1, "bsdf_samples": 1}
+    # Depth counts the light as well; roulette from the fifth scattering on, as ours.
+    return {"type": "path", "max_depth": bounces + 1, "rr_depth": 5}
+
+
 class Mitsuba:
     pieces = (2, 3)
 
@@ -66,8 +74,7 @@ class Mitsuba:
             self.scene = mi.load_dict(
                 {
                     "type": "scene",
-                    # One sample of a light, and one of the surface, which alone finds the sky: see there.
-                    "integrator": {"type": "direct", "emitter_samples": 1, "bsdf_samples": 1},
+                    "integrator": integrator(towel.bounces),
                     "sensor": {
                         "type": "perspective",
                         "fov": camera["fov"],

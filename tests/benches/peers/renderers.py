@@ -1,6 +1,9 @@
-"""The renderers as measure.py sees them: all have `open(field)`, `render(samples, seed, picture)` and `edit(there, back)`.
+"""The renderers as measure.py sees them: all have `open(field)`, `render(samples, seed, picture)`, `denoised(samples, seed,
+picture)` and `edit(there, back)`.
 
-Times are {"wall": s, "cpu": s of all cores together}; pictures are linear RGB arrays in .npy files.
+Times are {"wall": s, "cpu": s of all cores together}; pictures are linear RGB arrays in .npy files. Denoised are all by
+Open Image Denoise: Cycles' by its own, which knows first-hit albedo and normals, the others' by the library from the
+picture alone, in this process.
 """
 
 import json
@@ -11,26 +14,35 @@ from pathlib import Path
 
 import mitsuba as mi
 import numpy as np
+import pyoidn
 
+from tasks import HERE
 from towel import convert
+from worker import Clock, total
 
-HERE = Path(__file__).resolve().parent
-# The size that the preset has.
-WARPS, WEFTS = 240, 280
-DISTANCE, TARGET = 310, (0, -34, 1)
+
+def denoise(path):
+    """Denoises a picture in place; the time that it took."""
+    noisy = np.ascontiguousarray(np.load(path), np.float32)
+    clock = Clock()
+    clean = pyoidn.denoise(noisy, hdr=True)
+    spent = clock.spent()
+    np.save(path, clean)
+    return spent
 
 
 class Field:
-    """One towel: the preset at a size and a loop length, as arguments of our program and as arrays."""
+    """A task's towel: the preset at a size and a loop length, as arguments of our program and as arrays."""
 
-    def __init__(self, program, preset, folder, warps=WARPS, length=None):
-        scale = warps / WARPS
-        wefts = WEFTS * warps // WARPS
-        x, y, z = TARGET
+    def __init__(self, program, preset, task, folder, warps=None, length=None):
+        warps = warps or task.warps
+        scale = warps / task.warps
+        wefts = task.wefts * warps // task.warps
+        x, y, z = task.target
         self.name = f"{warps}x{wefts}" + (f"-length-{length}" if length else "")
         self.program, self.preset = program, preset
         sets = {}
-        if warps != WARPS:
+        if warps != task.warps:
             # The same picture of smaller or larger loops.
             sets |= {"sheet.warps": warps, "sheet.wefts": wefts}
             sets |= {"view.cameras[0].distance": DISTANCE * scale}
@@ -38,11 +50,11 @@ class Field:
         self.length = None if length is None else f"length.value={length}"
         self.sets = [f"--set={path}={value}" for path, value in sets.items()]
         edit = [] if length is None else [f"--set={self.length}"]
-        self.arrays = str(folder / f"{self.name}.npz")
-        export = str(folder / f"{self.name}.json")
+        self.arrays = str(folder / f"{task.name}-{self.name}.npz")
+        export = str(folder / f"{task.name}-{self.name}.json")
         command = [program, "export", "loops", preset, "-o", export, *self.sets, *edit]
         subprocess.run(command, check=True)
-        convert(export, self.arrays)
+        convert(export, self.arrays, task)
         os.remove(export)
 
 
@@ -78,6 +90,9 @@ class Ours:
             np.save(picture, np.array(mi.Bitmap(str(exr)).convert(form, mi.Struct.Type.Float32, srgb_gamma=False)))
         return {"wall": stats["seconds"]["render"], "cpu": stats["processor_seconds"]}
 
+    def denoised(self, samples, seed, picture):
+        return total([self.render(samples, seed, picture), denoise(picture)])
+
     def edit(self, there, _back):
         """The edit and taking it back, each after the other was shown."""
         out = self.folder / "edits.json"
@@ -98,8 +113,8 @@ class Peer:
 
     is_peer = True
 
-    def __init__(self, name, python, script, setting, size, verbose):
-        self.name, self.edited = name, False
+    def __init__(self, name, python, script, setting, has_denoiser, size, verbose):
+        self.name, self.has_denoiser = name, has_denoiser
         self.process = subprocess.Popen(
             [python, "-W", "ignore", HERE / script, setting, str(size)],
             stdin=subprocess.PIPE,
@@ -125,6 +140,11 @@ class Peer:
 
     def render(self, samples, seed, picture=None):
         return self.ask(do="render", samples=samples, seed=seed, out=picture and str(picture))
+
+    def denoised(self, samples, seed, picture):
+        if self.has_denoiser:
+            return self.ask(do="render", samples=samples, seed=seed, out=str(picture), denoise=True)
+        return total([self.render(samples, seed, picture), denoise(picture)])
 
     def edit(self, there, back):
         return [self.ask(do="edit", towel=field.arrays) for field in (there, back)]

@@ -1,4 +1,4 @@
-"""The towel that every renderer draws: what `export loops` tells, as arrays, and the strand of each loop.
+"""The towel that every renderer draws: what `export loops` tells, as arrays, and the strand or fibres of each loop.
 
 Lengths in mm, world space with z up from the cloth, linear RGB.
 """
@@ -15,14 +15,24 @@ LEG_SPACING = 0.94
 GROUND_FACETS = 6
 
 
-def convert(json_path, npz_path):
-    """Writes the loops and all else of an export as arrays, which load in no time."""
+# Fibres are spread over a yarn's section like the seeds of a sunflower.
+GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
+
+
+def convert(json_path, npz_path, task):
+    """Writes the loops and all else of an export, and what of a task peers must know, as arrays, which load in no time."""
     with open(json_path) as file:
         export = json.load(file)
+    export["fibres"] = {"count": task.fibres, "radius": task.fibre_radius, "turns": task.fibre_turns}
+    export["bounces"], export["albedo_scale"] = task.bounces, task.albedo_scale
     loops = export.pop("loops")
     corners = np.array([[loop[f"p{k}"] for k in range(4)] for loop in loops])
     albedo = np.array([loop["albedo"] for loop in loops])
     np.savez(npz_path, corners=corners, albedo=albedo, rest=json.dumps(export))
+
+
+def unit(vectors):
+    return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-12)
 
 
 class Towel:
@@ -33,11 +43,15 @@ class Towel:
             self.corners = file["corners"]
             self.albedo = file["albedo"]
             self.rest = json.loads(str(file["rest"]))
+        self.albedo = np.minimum(self.albedo * self.rest["albedo_scale"], 1.0)
+        self.bounces = self.rest["bounces"]
         self.camera = self.rest["cameras"][0]
         [self.sun] = self.rest["suns"]
         self.sky = self.rest["environment"]["radiance"]
         yarn = self.rest["yarn"]
-        self.radius = yarn["diameter"] / 2
+        self.yarn_radius = yarn["diameter"] / 2
+        self.fibres = self.rest["fibres"]
+        self.radius = self.fibres["radius"] or self.yarn_radius
         self.is_supported(yarn)
 
     def is_supported(self, yarn):
@@ -74,11 +88,25 @@ class Towel:
         return 0.5 + x / width, y / length
 
     def strands(self, leg_pieces, arch_pieces):
-        """Points of all strands, an array of loops x points x 3."""
+        """Points of all curves, an array of curves x points x 3: one in the middle of each loop's yarn, or its fibres."""
         u, v = self.centre_line(leg_pieces, arch_pieces)
         # Bilinear in the corners: P0, P1, P2, P3 around the patch.
         weights = np.stack([(1 - u) * (1 - v), u * (1 - v), u * v, (1 - u) * v], axis=1)
-        return np.einsum("kc,ncx->nkx", weights, self.corners)
+        lines = np.einsum("kc,ncx->nkx", weights, self.corners)
+        if self.fibres["count"] == 1:
+            return lines
+        along_u = np.einsum("kc,ncx->nkx", np.stack([v - 1, 1 - v, v, -v], axis=1), self.corners)
+        along_v = np.einsum("kc,ncx->nkx", np.stack([u - 1, -u, u, 1 - u], axis=1), self.corners)
+        out_of_patch = unit(np.cross(along_u, along_v))
+        beside = unit(np.cross(out_of_patch, np.gradient(lines, axis=1)))
+        steps = np.linalg.norm(np.diff(lines, axis=1), axis=2)
+        arc = np.concatenate([np.zeros((len(lines), 1)), np.cumsum(steps, axis=1)], axis=1)
+        curves = []
+        for fibre in range(self.fibres["count"]):
+            reach = (self.yarn_radius - self.radius) * np.sqrt((fibre + 0.5) / self.fibres["count"])
+            angle = (fibre * GOLDEN_ANGLE + 2 * np.pi * self.fibres["turns"] * arc)[..., None]
+            curves.append(lines + reach * (np.cos(angle) * beside + np.sin(angle) * out_of_patch))
+        return np.concatenate(curves)
 
     def ground(self):
         """Vertices and quads of the warps' upper halves; wefts lie below them."""

@@ -1,7 +1,7 @@
 """A peer as a process of its own that stays warm: a command a line in, an answer a line out, both JSON.
 
-Commands: {"do": "open", "towel": NPZ}, {"do": "render", "samples": N, "seed": N, "out": NPY or null},
-{"do": "edit", "towel": NPZ}. Answers have times as {"wall": s, "cpu": s of all cores together}.
+Commands: {"do": "open", "towel": NPZ}, {"do": "render", "samples": N, "seed": N, "out": NPY or null,
+"denoise": true or left out}, {"do": "edit", "towel": NPZ}. Answers have times as {"wall": s, "cpu": s of all cores together}.
 """
 
 import json
@@ -35,7 +35,7 @@ def total(parts):
 
 class Worker:
     """Answers commands for a renderer, which has `prepare(towel, strands)`, `open(towel, prepared)`, `edit(prepared)`,
-    `render(samples, seed)` and `pixels()`; `pieces` tells into how many pieces legs and arch of a strand are cut.
+    `render(samples, seed)`, with `denoise` where it has a denoiser built in, and `pixels()`; `pieces` tells into how many pieces legs and arch of a strand are cut.
 
     What comes before `open` and `edit` is not counted against a peer: its user might have it from elsewhere.
     """
@@ -59,7 +59,8 @@ class Worker:
 
     def render(self, command):
         clock = Clock()
-        self.renderer.render(command["samples"], command["seed"])
+        denoise = {"denoise": True} if command.get("denoise") else {}
+        self.renderer.render(command["samples"], command["seed"], **denoise)
         spent = clock.spent()
         if command.get("out"):
             np.save(command["out"], self.renderer.pixels())

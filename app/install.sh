@@ -1,6 +1,6 @@
 # shellcheck shell=bash
 # Installs what a fresh machine lacks. app/run, tests/run and .ci/run source this and call
-# `install_for headless|window|tests|ci [c++]`. It speaks on stderr only: stdout belongs to the program.
+# `install_for headless|window|tests|ci [c++] [denoiser]`. It speaks on stderr only: stdout belongs to the program.
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." >/dev/null && pwd)
 needed_rust=$(sed -n 's/^rust-version = "\([0-9]*\.[0-9]*\).*/\1/p' "$root/Cargo.toml")
@@ -26,6 +26,7 @@ install_for() {
         fi
     fi
     rust_is_new_enough || install_rust
+    ! wants_denoiser "$@" || bring_denoiser "$1"
     ((${#to_do[@]} == 0)) || { say "${to_do[@]}" "Then run this again."; exit 1; }
 }
 
@@ -36,6 +37,10 @@ list() { local text; printf -v text '%s, ' "$@"; printf '%s' "${text%, }"; }
 find_lacking() {
     need ca-certificates "TLS certificates" has_certificates
     # Wayland's library is bound by a little C.
+    # Open Image Denoise comes by pip; a window that has to ask for pip goes without.
+    if wants_denoiser "$@" && { [[ $1 == tests || $1 == ci ]] || become_root; }; then
+        need python3-pip "pip (for Open Image Denoise)" python3 -m pip --version
+    fi
     need gcc "a linker and a C compiler (cc)" command -v cc
     need libc6-dev "the C library's development files" can_link
     [[ " $* " != *" c++ "* ]] || need g++ "a C++ compiler (c++)" command -v c++
@@ -107,6 +112,56 @@ has_rustup() {
     local folder=${CARGO_HOME:-${HOME-}/.cargo}/bin
     [[ ! -x $folder/rustup ]] || PATH=$folder:$PATH
     command -v rustup >/dev/null
+}
+
+# ---- Open Image Denoise: tests need it, the window and `render --denoise` take it where it can be had
+
+# Where the program looks too, among other places.
+denoisers=${XDG_CACHE_HOME:-${HOME-}/.cache}/towel-designer/open-image-denoise
+
+wants_denoiser() {
+    [[ $(uname -s) == Linux ]] && [[ $1 != headless || " $* " == *" denoiser "* ]] && ! has_denoiser
+}
+
+# A file that is named is the user's own affair.
+has_denoiser() {
+    [[ -n ${OIDN_LIBRARY+named} ]] || compgen -G "$denoisers/*/lib/libOpenImageDenoise.so.2" >/dev/null ||
+        [[ $(PATH=$PATH:/usr/sbin:/sbin ldconfig -p 2>/dev/null) == *libOpenImageDenoise.so.2\ * ]]
+}
+
+# Takes the library out of the wheel of PyPI's pyoidn, whose versions are the library's with a number behind them.
+bring_denoiser() {
+    local version=2.5.1 scratch why
+    mkdir -p "$denoisers" && scratch=$(mktemp -d -p "$denoisers" .new.XXXXXX) || return 0
+    say "Bringing Open Image Denoise $version (some 90 MB, once)"
+    # -T: not into a folder of that name, should another run have been faster.
+    if why=$(unpack_denoiser "$version" "$scratch" 2>&1) && mv -T "$scratch" "$denoisers/$version"; then
+        return
+    fi
+    rm -rf "$scratch"
+    why=${why##*$'\n'}
+    if [[ $1 == tests || $1 == ci ]]; then
+        to_do+=("Open Image Denoise could not be brought ($why). With the network up run this again, or set OIDN_LIBRARY to" \
+            "the file libOpenImageDenoise.so.2 of a version 2 that you have.")
+    else
+        say "It could not be brought ($why); going on without."
+    fi
+}
+
+# unpack_denoiser VERSION FOLDER: makes FOLDER/lib. Its parts look for each other in ../lib.
+unpack_denoiser() {
+    local file shorter
+    cd "$2" || return
+    python3 -m pip download -q --disable-pip-version-check --no-deps --only-binary :all: --retries 1 --timeout 15 \
+        "pyoidn==$1.*" || return
+    python3 -m zipfile -e pyoidn-*.whl wheel && mv wheel/pyoidn/oidn/lib lib && [[ -e lib/libOpenImageDenoise.so.2 ]] || return
+    rm -rf lib/cmake wheel pyoidn-*.whl
+    # A wheel has copies where there were links.
+    for file in lib/*.so.*; do
+        for shorter in "${file%%.so.*}".so "${file%.*}" "${file%.*.*}"; do
+            [[ ! -f $shorter ]] || ! cmp -s "$file" "$shorter" || ln -f "$file" "$shorter"
+        done
+    done
 }
 
 # ---- Install

@@ -1,6 +1,7 @@
 //! What helps when the renderer cannot do what it was asked: the renderer states facts, and what one can do about them
 //! depends on where one is, at the command line or at the window.
 
+use renderer_core::denoise::{DenoiseError, Places};
 use renderer_core::render::{BackendKind, RenderError};
 use renderer_core::scene::CompileError;
 
@@ -61,6 +62,36 @@ pub fn with_advice_on_file(error: &FileError) -> String {
             "{error}; if the file is from somebody you trust, use --allow-outside-images, or open it in the window once"
         ),
         _ => error.to_string(),
+    }
+}
+
+/// As [`with_advice`], of a denoiser.
+pub fn with_advice_on_denoiser(error: &DenoiseError, place: Place) -> String {
+    let without = match place {
+        Place::CommandLine => "or leave out --denoise",
+        Place::Viewport => "the picture stays as it is without",
+        Place::Export => "or export without",
+    };
+    match error {
+        DenoiseError::NotFound => format!(
+            "{error}; app/run brings it on Debian and Ubuntu, Blender has it in its folder, other systems have packages \
+            of it (oidn, openimagedenoise), and {} takes its file from anywhere; {without}",
+            Places::LIBRARY
+        ),
+        DenoiseError::SwitchedOff => {
+            format!(
+                "{error}; give {} the library's file, or unset it; {without}",
+                Places::LIBRARY
+            )
+        }
+        DenoiseError::Load { .. } | DenoiseError::Symbol { .. } | DenoiseError::Version { .. } => {
+            format!(
+                "{error}; {} can name another file; {without}",
+                Places::LIBRARY
+            )
+        }
+        DenoiseError::Failed(_) => format!("{error}; {without}"),
+        DenoiseError::Cancelled => error.to_string(),
     }
 }
 

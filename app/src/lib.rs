@@ -4,6 +4,7 @@ pub mod advice;
 pub mod backend;
 pub mod cli;
 pub mod clock;
+pub mod denoiser;
 pub mod designer;
 pub mod files;
 pub mod picture_file;

@@ -3,6 +3,7 @@
 #![doc = include_str!("../ARCHITECTURE.md")]
 
 pub mod cpu;
+pub mod denoise;
 pub mod design;
 pub mod geometry;
 pub mod gpu;

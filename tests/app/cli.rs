@@ -285,6 +285,7 @@ fn stats_say_what_was_done() {
         "bytes",
         "compile",
         "crop",
+        "denoised",
         "dropped_loops",
         "error_estimate",
         "loops",

@@ -6,6 +6,7 @@
 mod cell_sets;
 mod chart;
 mod compare;
+mod denoising;
 mod driving;
 mod export;
 mod filing;
@@ -34,6 +35,7 @@ use egui::accesskit::Role;
 use egui::{Key, Modifiers, Pos2, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
+use renderer_core::denoise::DenoiseError;
 use renderer_core::design::{
     Design, EnvironmentKind, LengthEntry, LengthMap, Numbers, Pattern, Phase,
 };
@@ -331,6 +333,7 @@ fn the_gpu_draws_on_the_windows_own_device() {
                     }))),
                     _ => panic!("a second device"),
                 }),
+                denoiser: Arc::new(|| Err(DenoiseError::NotFound)),
                 system_dialogs: false,
                 folders: None,
             };

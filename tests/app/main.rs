@@ -11,6 +11,7 @@ mod bundles;
 mod chart_files;
 mod cli;
 mod damaged_designs;
+mod denoising;
 mod designer;
 mod environment;
 mod gpu;

@@ -271,6 +271,7 @@ fn bands_get_lower_where_the_device_has_no_room() {
     let made = picture_file::make(
         &order([50, 200], 1, PNG),
         &mut backend,
+        None,
         &path,
         &never,
         |_| {},
@@ -294,6 +295,7 @@ fn bands_get_lower_where_the_device_has_no_room() {
     let failure = picture_file::make(
         &order([50, 200], 1, PNG),
         &mut backend,
+        None,
         &path,
         &never,
         |_| {},
@@ -327,7 +329,7 @@ fn time_is_shared_by_rows_and_no_band_goes_without_a_sample() {
         assert_eq!(standing.band[1], 4);
         shares.push(standing.share);
     };
-    let made = picture_file::make(&order, &mut backend, &path, &never, tell).unwrap();
+    let made = picture_file::make(&order, &mut backend, None, &path, &never, tell).unwrap();
     assert!(
         begun.elapsed() >= Duration::from_millis(1180),
         "stopped early"
@@ -344,7 +346,7 @@ fn time_is_shared_by_rows_and_no_band_goes_without_a_sample() {
     assert_eq!(made.samples, *samples[1..].iter().min().unwrap());
 
     order.time = Some(Duration::from_millis(1));
-    let made = picture_file::make(&order, &mut backend, &path, &never, |_| {}).unwrap();
+    let made = picture_file::make(&order, &mut backend, None, &path, &never, |_| {}).unwrap();
     assert_eq!(
         (made.samples, made.bands),
         (1, 4),
@@ -363,6 +365,7 @@ fn what_is_cancelled_leaves_the_old_file_alone() {
         let failure = picture_file::make(
             &order([64, 64], 1_000, format),
             &mut backend,
+            None,
             &path,
             &cancel,
             |standing| {

@@ -22,6 +22,7 @@ const RULES: &[Arrows] = &[
         "renderer-core/src/design",
         &["design", "geometry", "sampling"],
     ),
+    Only("renderer-core/src/denoise", &["denoise", "image"]),
     Never(
         "renderer-core/src/scene",
         &[

@@ -17,6 +17,7 @@ mod coarse_preview;
 mod colour;
 mod compile;
 mod cpu;
+mod denoise;
 mod documents;
 mod environment;
 mod error_estimate;
@@ -62,6 +63,7 @@ mod support {
     pub mod agreement;
     pub mod closed;
     pub mod compare;
+    pub mod denoisers;
     pub mod device;
     pub mod drawing;
     pub mod patches;

@@ -259,6 +259,7 @@ fn exr_keeps_every_float() {
         depth: (0..6).map(|k| 100.0 + k as f32 / 3.0).collect(),
         normal: (0..6).map(|k| [k as f32, -1.0, 0.5]).collect(),
         albedo: (0..6).map(|k| [0.9, 0.8, k as f32 / 7.0]).collect(),
+        ..Aov::default()
     });
     let layers = [
         ExrLayer::Depth,

@@ -6,6 +6,7 @@ use renderer_core::gpu;
 use renderer_core::render::MAX_SIDE;
 
 use crate::backend::{self, BackendChoice};
+use crate::denoiser;
 
 /// Prints everything to stdout.
 pub fn run() -> anyhow::Result<()> {
@@ -45,6 +46,9 @@ pub fn run() -> anyhow::Result<()> {
         )?;
     }
     let chosen = backend::resolve(BackendChoice::Auto, &adapters);
+    for line in denoiser::report() {
+        writeln!(out, "{line}")?;
+    }
     writeln!(out, "--backend auto uses: {}", chosen.name())?;
     Ok(())
 }

@@ -10,6 +10,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
+use renderer_core::denoise::Denoise;
 use renderer_core::design::{Design, Method, Quality, Warning};
 use renderer_core::geometry::Camera;
 use renderer_core::image::{Background, Depth, Display, ExrLayer};
@@ -20,7 +21,9 @@ use renderer_core::scene::{self, Cancel, ChartYarns, CompileError, Compiler};
 use super::arguments::{self, BadArgument};
 use super::read_design;
 use super::stats::{Seconds, Stats};
+use crate::advice::{Place, with_advice_on_denoiser};
 use crate::backend::{self, BackendChoice};
+use crate::denoiser;
 use crate::files::{self, Opened, Origin, UsedFile, stem_of};
 use crate::picture_file::{self, BAND_BYTES, Failure, Format, Made, PictureOrder, Standing};
 
@@ -73,6 +76,10 @@ pub struct RenderArguments {
     /// Bits a channel, for .png: 8 unless given.
     #[arg(long, value_name = "8|16", value_parser = ["8", "16"])]
     depth: Option<String>,
+    /// Take noise out with Open Image Denoise, as far as that does good: a guess, which the file and --stats tell of; an
+    /// .exr keeps the noisy picture too.
+    #[arg(long)]
+    denoise: bool,
     /// Leave the background out: alpha says how much of a pixel is cloth.
     #[arg(long)]
     transparent: bool,
@@ -136,6 +143,10 @@ pub fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
     let start = Instant::now();
     let mut seconds = Seconds::default();
     let asked = timed(&mut seconds.open, || Asked::check(arguments))?;
+    let denoiser = match arguments.denoise {
+        true => Some(denoiser(&asked)?),
+        false => None,
+    };
 
     let mut maker = LodCompiler::new(Compiler::new(optimisations(arguments).into()));
     let cloth = timed(&mut seconds.compile, || asked.cloth(&mut maker))?;
@@ -149,7 +160,7 @@ pub fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
     let choice = arguments.backend.for_method(order.settings.method);
     let mut backend = timed(&mut seconds.pipelines, || backend::make(choice))?;
     let before = start.elapsed();
-    let made = make(&order, &mut *backend, arguments)?;
+    let made = make(&order, &mut *backend, denoiser, arguments)?;
     seconds.add(before, &made);
 
     if let Some(path) = &arguments.stats {
@@ -160,6 +171,15 @@ pub fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
         files::write_atomically(path, json.as_bytes())?;
     }
     Ok(())
+}
+
+/// What takes the noise out, or why there is nothing that does.
+fn denoiser(asked: &Asked<'_>) -> anyhow::Result<Box<dyn Denoise>> {
+    denoiser::make().map_err(|error| {
+        let preset = asked.arguments.preset.display();
+        let advice = with_advice_on_denoiser(&error, Place::CommandLine);
+        anyhow::anyhow!("{preset}: cannot be denoised: {advice}")
+    })
 }
 
 /// What is to be rendered, found good before the first ray.
@@ -252,12 +272,13 @@ impl<'a> Asked<'a> {
 fn make(
     order: &PictureOrder,
     backend: &mut dyn Backend,
+    denoiser: Option<Box<dyn Denoise>>,
     arguments: &RenderArguments,
 ) -> Result<Made, Failure> {
     let bar = Bar::new(arguments.quiet);
     let never = AtomicBool::new(false);
     let show = |standing: &Standing| bar.show(standing);
-    let made = picture_file::make(order, backend, &arguments.output, &never, show)?;
+    let made = picture_file::make(order, backend, denoiser, &arguments.output, &never, show)?;
     drop(bar);
     let pixels = made.nonfinite_pixels;
     if pixels > 0 {
@@ -308,6 +329,9 @@ fn format(arguments: &RenderArguments) -> Result<Format, BadArgument> {
                     AovArgument::Alpha => ExrLayer::Alpha,
                 })
                 .collect();
+            if arguments.denoise {
+                layers.push(ExrLayer::Noisy);
+            }
             layers.sort();
             layers.dedup();
             Ok(Format::Exr(layers))
@@ -356,7 +380,7 @@ fn settings(design: &Design, arguments: &RenderArguments, format: &Format) -> Se
         samples,
         error,
         seed: arguments.seed.unwrap_or(preset.seed),
-        aov: matches!(format, Format::Exr(layers) if layers.iter().any(|l| *l != ExrLayer::Alpha)),
+        aov: matches!(format, Format::Exr(layers) if layers.iter().any(|l| !matches!(l, ExrLayer::Alpha | ExrLayer::Noisy))),
         counters: arguments.counters,
         optimisations: optimisations(arguments),
         ..preset

@@ -7,7 +7,7 @@ use renderer_core::scene::lod::LodCloth;
 use renderer_core::scene::{CompileReport, Scene, StageSeconds};
 use serde::Serialize;
 
-use crate::picture_file::{Made, PictureOrder};
+use crate::picture_file::{DenoisedPicture, Made, PictureOrder};
 
 /// The whole file.
 #[derive(Debug, Serialize)]
@@ -43,6 +43,8 @@ pub struct Stats {
     pub counters: Option<CountersJson>,
     /// Estimated relRMSE; null below sixteen samples.
     pub error_estimate: Option<f64>,
+    /// What denoising has done; null where it was not asked for.
+    pub denoised: Option<DenoisedJson>,
     /// Pixels with a value that is infinite or NaN; always 0, or something is wrong.
     pub nonfinite_pixels: u64,
     /// Sizes in memory.
@@ -76,6 +78,7 @@ impl Stats {
             processor_seconds: made.render.processor.map(|time| time.as_secs_f64()),
             counters: order.settings.counters.then(|| made.counters.into()),
             error_estimate: made.error_estimate,
+            denoised: made.denoised.as_ref().map(Into::into),
             nonfinite_pixels: made.nonfinite_pixels,
             bytes: Bytes {
                 scene: cloth_bytes(cloth),
@@ -139,6 +142,28 @@ impl From<CompileReport> for CompileJson {
             frames_made: report.frames_made,
             frames_left_out: report.frames_left_out,
             seconds: report.seconds,
+        }
+    }
+}
+
+/// [`DenoisedPicture`] as written.
+#[derive(Debug, Serialize)]
+pub struct DenoisedJson {
+    by: String,
+    share: f64,
+    error_estimate: Option<f64>,
+    distance: f64,
+    seconds: f64,
+}
+
+impl From<&DenoisedPicture> for DenoisedJson {
+    fn from(denoised: &DenoisedPicture) -> Self {
+        Self {
+            by: denoised.by.clone(),
+            share: denoised.share,
+            error_estimate: denoised.error,
+            distance: denoised.distance,
+            seconds: denoised.took.as_secs_f64(),
         }
     }
 }

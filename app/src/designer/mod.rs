@@ -43,17 +43,21 @@ pub use app::{
 pub use document::Document;
 pub use document::folders::Folders;
 pub use document::labels::label_of;
+pub use document::settings::denoiser_folder;
 pub use panels::length_pictures;
 pub use presets::thumbnails;
 pub use render_thread::draft_lighting::{CACHED_SHADOWS, LiveLight};
 pub use render_thread::renderer::{DisplayFrame, MakeBackend, for_window, noise_left, softened};
 pub use render_thread::workers;
-pub use render_thread::{DeviceInUse, Priority, RenderThread, Seen, Stage, ViewRequest, ViewState};
+pub use render_thread::{
+    Denoising, DeviceInUse, Priority, RenderThread, Seen, Stage, ViewRequest, ViewState,
+};
 pub use shell::command::Command;
 pub use viewport::camera_moves;
 pub use widgets::{Icon, shapes};
 
 use crate::backend::BackendChoice;
+use crate::denoiser::MakeDenoiser;
 
 /// What the designer starts with.
 pub struct Setup {
@@ -63,6 +67,8 @@ pub struct Setup {
     pub choice: BackendChoice,
     /// How backends are made.
     pub make: MakeBackend,
+    /// How a denoiser is made.
+    pub denoiser: MakeDenoiser,
     /// Whether to try the system's file dialogs before our own.
     pub system_dialogs: bool,
     /// Where to keep what outlives the program; without, nothing is kept.

@@ -9,12 +9,14 @@
 //! Nothing has the file's name before everything is in it.
 
 mod bands;
+mod denoised;
 mod time_left;
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use renderer_core::denoise::{Denoise, DenoiseError};
 use renderer_core::image::{
     About, Background, Depth, Display, ExrLayer, ExrLook, ImageError, Picture, PngLook, metrics,
     write_exr_rows, write_png_rows,
@@ -26,6 +28,8 @@ use renderer_core::scene::lod::LodView;
 use crate::clock::{Spent, timed};
 use crate::files::{self, Draft, FileError};
 pub use bands::{BAND_BYTES, Bands};
+pub use denoised::DenoisedPicture;
+use denoised::{Band, Denoising};
 pub use time_left::TimeLeft;
 
 /// What kind of file to make.
@@ -80,7 +84,7 @@ pub struct Standing {
 }
 
 /// What was made.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Made {
     /// Whole samples a pixel: the fewest of any band.
     pub samples: u32,
@@ -104,6 +108,8 @@ pub struct Made {
     pub first: Duration,
     /// Adding samples.
     pub render: Spent,
+    /// What denoising has done, where it was asked for.
+    pub denoised: Option<DenoisedPicture>,
     /// Encoding and writing.
     pub write: Duration,
 }
@@ -123,6 +129,9 @@ pub enum Failure {
     /// The picture cannot be encoded.
     #[error("{0}")]
     Image(#[from] ImageError),
+    /// It cannot be denoised.
+    #[error("{0}")]
+    Denoise(#[from] DenoiseError),
 }
 
 /// What the file of a picture of the design of that name says of it.
@@ -130,6 +139,7 @@ pub fn about(name: &str, dots_per_inch: Option<f64>) -> About {
     About {
         title: Some(name.to_owned()),
         software: Some(concat!("Towel Designer ", env!("CARGO_PKG_VERSION")).to_owned()),
+        comment: None,
         dots_per_inch,
     }
 }
@@ -139,13 +149,15 @@ const SLICE: Duration = Duration::from_millis(100);
 /// How often a wait for the device looks whether it is over.
 const LOOK: Duration = Duration::from_millis(5);
 
-/// Renders the picture and writes it to `path`; tells `tell` where it stands about ten times a second.
+/// Renders the picture, takes its noise out where there is a denoiser, and writes it to `path`; tells `tell` where it
+/// stands about ten times a second.
 ///
 /// # Errors
 /// When the backend or the file refuses, or `cancel` becomes true; an old file is untouched then.
 pub fn make(
     order: &PictureOrder,
     backend: &mut dyn Backend,
+    denoiser: Option<Box<dyn Denoise>>,
     path: &Path,
     cancel: &AtomicBool,
     mut tell: impl FnMut(&Standing),
@@ -157,7 +169,15 @@ pub fn make(
         order,
         backend,
         cancel,
-        bands: Bands::new(order.crop, order.settings.aov, order.band_bytes),
+        // What denoising needs beside the picture is about what extra channels are.
+        bands: Bands::new(
+            order.crop,
+            order.settings.aov || denoiser.is_some(),
+            order.band_bytes,
+        ),
+        denoising: denoiser
+            .map(|denoiser| Denoising::new(denoiser, order.display.exposure.exp2() as f32)),
+        next: None,
         made: Made {
             samples: u32::MAX,
             render: Spent::zero(),
@@ -167,14 +187,23 @@ pub fn make(
         begun,
     };
     let size = [order.crop[2], order.crop[3]];
-    let next = || work.next_band(&mut tell);
+    // What the file says of the picture stands before its rows.
+    let mut first = Some(work.next_rows(&mut tell)?);
+    let mut about = order.about.clone();
+    if let Some(denoising) = &work.denoising {
+        about.comment = Some(denoising.done().comment(work.bands.count() == 1));
+    }
+    let next = || match first.take() {
+        Some(first) => Ok(first),
+        None => work.next_rows(&mut tell),
+    };
     match &order.format {
         Format::Png(depth) => {
             let look = PngLook {
                 display: order.display,
                 depth: *depth,
                 transparent: order.transparent,
-                about: &order.about,
+                about: &about,
                 chunks: &order.chunks,
             };
             write_png_rows(&mut draft, size, &look, next)
@@ -183,7 +212,7 @@ pub fn make(
             let look = ExrLook {
                 layers: layers.clone(),
                 transparent: order.transparent,
-                about: order.about.clone(),
+                about,
             };
             write_exr_rows(&mut draft, size, &look, next)
         }
@@ -196,16 +225,21 @@ pub fn make(
         other => other,
     })?;
     let Work {
-        mut made, errors, ..
+        mut made,
+        errors,
+        denoising,
+        ..
     } = work;
     if cancel.load(Ordering::Relaxed) {
         return Err(Failure::Cancelled);
     }
     draft.finish()?;
+    made.denoised = denoising.map(|denoising| denoising.done());
     made.error_estimate = errors.and_then(|errors| errors.whole());
     made.write = begun
         .elapsed()
-        .saturating_sub(made.upload + made.pipelines + made.render.wall);
+        .saturating_sub(made.upload + made.pipelines + made.render.wall)
+        .saturating_sub(made.denoised.as_ref().map_or(Duration::ZERO, |d| d.took));
     Ok(made)
 }
 
@@ -218,16 +252,41 @@ struct Work<'a> {
     made: Made,
     /// `None` as soon as a band has no estimate.
     errors: Option<Errors>,
+    denoising: Option<Denoising>,
+    /// A band that is rendered and not yet denoised.
+    next: Option<Band>,
     begun: Instant,
 }
 
 impl Work<'_> {
+    /// The next rows as the file gets them.
+    fn next_rows(&mut self, tell: &mut impl FnMut(&Standing)) -> Result<Picture, Failure> {
+        let band = match self.next.take() {
+            Some(band) => band,
+            None => self.next_band(tell)?,
+        };
+        if self.denoising.is_none() {
+            return Ok(band.picture);
+        }
+        if self.bands.next()[3] > 0 {
+            self.next = Some(self.next_band(tell)?);
+        }
+        let Some(denoising) = &mut self.denoising else {
+            return Ok(band.picture);
+        };
+        let below = self.next.as_ref().map(|next| &next.picture);
+        match denoising.denoise(band, below, self.cancel) {
+            Err(DenoiseError::Cancelled) => Err(Failure::Cancelled),
+            denoised => Ok(denoised?),
+        }
+    }
+
     /// Renders the next band to its end; a lower one if the device has no room for it.
-    fn next_band(&mut self, tell: &mut impl FnMut(&Standing)) -> Result<Picture, Failure> {
-        let (crop, samples, error, picture) = loop {
+    fn next_band(&mut self, tell: &mut impl FnMut(&Standing)) -> Result<Band, Failure> {
+        let (crop, samples, error, band) = loop {
             let crop = self.bands.next();
             match self.band(crop, tell) {
-                Ok((samples, error, picture)) => break (crop, samples, error, picture),
+                Ok((samples, error, band)) => break (crop, samples, error, band),
                 Err(Failure::Render(
                     RenderError::BeyondAdapter { .. } | RenderError::OutOfMemory(_),
                 )) if self.bands.make_lower() => {}
@@ -238,23 +297,23 @@ impl Work<'_> {
         made.bands += 1;
         made.samples = made.samples.min(samples);
         made.counters += self.backend.counters()?;
-        made.nonfinite_pixels += metrics::nonfinite_pixels(&picture);
+        made.nonfinite_pixels += metrics::nonfinite_pixels(&band.picture);
         made.device_bytes = made.device_bytes.max(self.backend.device_bytes());
         made.band_bytes = made.band_bytes.max(self.bands.bytes(crop));
         match (error, &mut self.errors) {
-            (Some(error), Some(errors)) => errors.add(error, &picture),
+            (Some(error), Some(errors)) => errors.add(error, &band.picture),
             _ => self.errors = None,
         }
         self.bands.finish(crop);
-        Ok(picture)
+        Ok(band)
     }
 
-    /// Renders one band: its samples, its error, its picture.
+    /// Renders one band: its samples, its error, and itself.
     fn band(
         &mut self,
         crop: [u32; 4],
         tell: &mut impl FnMut(&Standing),
-    ) -> Result<(u32, Option<f64>, Picture), Failure> {
+    ) -> Result<(u32, Option<f64>, Band), Failure> {
         let order = self.order;
         let request = RenderRequest {
             crop,
@@ -274,8 +333,14 @@ impl Work<'_> {
         }
         let mut spent = Spent::zero();
         let rendered = timed(&mut spent, || {
-            let (samples, error) = self.render(crop, tell)?;
-            Ok((samples, error, self.backend.picture()?))
+            let mut earlier = None;
+            let (samples, error) = self.render(crop, &mut earlier, tell)?;
+            let band = Band {
+                picture: self.backend.picture()?,
+                samples,
+                earlier,
+            };
+            Ok((samples, error, band))
         });
         self.made.render += spent;
         rendered
@@ -308,10 +373,12 @@ impl Work<'_> {
         Ok(())
     }
 
-    /// Adds samples to a band until it is done. Its samples and its error.
+    /// Adds samples to a band until it is done. Its samples and its error; where the first is to be denoised, `earlier`
+    /// is its state at the last power of two of samples.
     fn render(
         &mut self,
         crop: [u32; 4],
+        earlier: &mut Option<(u32, Picture)>,
         tell: &mut impl FnMut(&Standing),
     ) -> Result<(u32, Option<f64>), Failure> {
         let settings = &self.order.settings;
@@ -352,6 +419,11 @@ impl Work<'_> {
             let is_late = limit.is_some_and(|limit| elapsed >= limit);
             if progress.done || (is_late && progress.samples > 0) {
                 return Ok((progress.samples, progress.error_estimate));
+            }
+            let last = earlier.as_ref().map_or(0, |(samples, _)| *samples);
+            let is_doubled = progress.samples >= (last + 1).next_power_of_two();
+            if is_first && is_doubled && self.denoising.is_some() {
+                *earlier = Some((progress.samples, self.backend.picture()?));
             }
         }
     }

@@ -89,6 +89,7 @@ pub fn picture(
             depth: vec![0.0; count],
             normal: vec![[0.0; 3]; count],
             albedo: vec![[0.0; 3]; count],
+            noisy: Vec::new(),
         }),
     };
     let made = pipelines.linear.get(context, aov)?;

@@ -17,13 +17,15 @@ pub struct About {
     pub title: Option<String>,
     /// What made it.
     pub software: Option<String>,
+    /// What was done to it: that it is denoised, by what, and how far it is from what it was.
+    pub comment: Option<String>,
     /// Pixels an inch, where the picture has a size on paper.
     pub dots_per_inch: Option<f64>,
 }
 
 impl About {
-    /// Writes it into a PNG whose pixels are sRGB: chunks `sRGB`, `pHYs` (pixels a metre) and texts `Title` and
-    /// `Software`.
+    /// Writes it into a PNG whose pixels are sRGB: chunks `sRGB`, `pHYs` (pixels a metre) and texts `Title`,
+    /// `Software` and `Comment`.
     pub(super) fn describe_png<W: std::io::Write>(
         &self,
         encoder: &mut png::Encoder<'_, W>,
@@ -37,7 +39,11 @@ impl About {
                 unit: Unit::Meter,
             }));
         }
-        let texts = [("Title", &self.title), ("Software", &self.software)];
+        let texts = [
+            ("Title", &self.title),
+            ("Software", &self.software),
+            ("Comment", &self.comment),
+        ];
         for (keyword, text) in texts {
             let Some(text) = text else { continue };
             let text: String = text.chars().filter(|c| !c.is_control()).collect();
@@ -52,7 +58,7 @@ impl About {
     }
 
     /// Writes it into an OpenEXR header of linear RGB with the primaries of sRGB: attributes `chromaticities`,
-    /// `xDensity` (pixels an inch) and `software`. There is none for a title.
+    /// `xDensity` (pixels an inch), `software` and `comments`. There is none for a title.
     pub(super) fn describe_exr(&self, header: &mut Header) {
         header.shared_attributes.chromaticities = Some(Chromaticities {
             red: Vec2(0.64, 0.33),
@@ -61,8 +67,11 @@ impl About {
             white: Vec2(0.3127, 0.329),
         });
         header.own_attributes.horizontal_density = self.dots_per_inch.map(|dots| dots as f32);
-        let software = self.software.as_ref();
-        header.own_attributes.software_name =
-            software.map(|text| Text::from_bytes_unchecked(text.as_bytes().into()));
+        let text = |text: &Option<String>| {
+            let text = text.as_ref();
+            text.map(|text| Text::from_bytes_unchecked(text.as_bytes().into()))
+        };
+        header.own_attributes.software_name = text(&self.software);
+        header.own_attributes.comments = text(&self.comment);
     }
 }

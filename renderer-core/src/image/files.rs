@@ -112,6 +112,8 @@ pub enum ExrLayer {
     Albedo,
     /// `alpha.A`: share of the pixel that cloth covers.
     Alpha,
+    /// `noisy.R`, `noisy.G`, `noisy.B`: the colours before denoising.
+    Noisy,
 }
 
 /// An OpenEXR file of linear radiance in f32: channels `R`, `G`, `B`, with `transparent` also `A` (then the background
@@ -158,6 +160,18 @@ pub(super) fn exr_channels(
             }
             (ExrLayer::Albedo, Some(Aov { albedo, .. })) => {
                 channels.extend(split(["albedo.R", "albedo.G", "albedo.B"], albedo));
+            }
+            (ExrLayer::Noisy, Some(Aov { noisy, .. })) => {
+                let names = ["noisy.R", "noisy.G", "noisy.B"];
+                let Some(background) = transparent else {
+                    channels.extend(split(names, noisy));
+                    continue;
+                };
+                let pixels = noisy.iter().zip(&picture.pixels);
+                let removed: Vec<_> = pixels
+                    .map(|(&rgb, pixel)| background.removed(rgb, pixel[3]))
+                    .collect();
+                channels.extend(split(names, &removed));
             }
         }
     }

@@ -36,4 +36,6 @@ pub struct Aov {
     pub normal: Vec<[f32; 3]>,
     /// Albedo of the first scattering, linear.
     pub albedo: Vec<[f32; 3]>,
+    /// Of a picture that is denoised, its colours before that (not only where cloth is); else nothing.
+    pub noisy: Vec<[f32; 3]>,
 }

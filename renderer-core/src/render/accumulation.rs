@@ -338,6 +338,7 @@ impl Accumulation {
             depth: vec![0.0; width * height],
             normal: vec![[0.0; 3]; width * height],
             albedo: vec![[0.0; 3]; width * height],
+            noisy: Vec::new(),
         });
         for (tile, source) in self.tiles.iter().zip(self.drawn_tiles()) {
             let Some(source) = source else { continue };

@@ -10,6 +10,7 @@ use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+use renderer_core::denoise::DenoiseError;
 use renderer_core::design::Design;
 use renderer_core::image::Picture;
 use renderer_core::render::{Backend, BackendKind, Counters, Progress, RenderError, RenderRequest};
@@ -100,6 +101,7 @@ pub(crate) fn setup(make: MakeBackend) -> Setup {
         preset: None,
         choice: BackendChoice::Auto,
         make,
+        denoiser: Arc::new(|| Err(DenoiseError::NotFound)),
         system_dialogs: false,
         folders: None,
     }

@@ -11,6 +11,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use anyhow::anyhow;
+use renderer_core::denoise::DenoiseError;
 use renderer_core::design::{CameraDesign, Design};
 use renderer_core::geometry::Camera;
 use renderer_core::image::Display;
@@ -70,8 +71,11 @@ impl LatencyProbe {
             choice,
             attempt: 0,
             light: LiveLight::default(),
+            denoises: false,
         };
-        let thread = RenderThread::new(for_window(make, None), egui::Context::default());
+        let no_denoiser = Arc::new(|| Err(DenoiseError::NotFound));
+        let context = egui::Context::default();
+        let thread = RenderThread::new(for_window(make, None), no_denoiser, context);
         Ok(Self { thread, view })
     }
 

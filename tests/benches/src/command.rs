@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use towel_designer::cli::exit;
 
-use crate::{bench, edits, pace};
+use crate::{bench, edits, pace, quiet};
 
 /// Measure what Towel Designer costs.
 #[derive(Debug, Parser)]
@@ -24,6 +24,9 @@ enum Command {
     Pace(pace::PaceArguments),
     /// Measure how long an edit takes until the picture is whole again.
     Edits(edits::EditsArguments),
+    /// Measure how long after an edit the window's picture is quiet, with denoising and without, and what denoising is
+    /// worth at each number of samples.
+    Quiet(quiet::QuietArguments),
 }
 
 /// Runs the program on the process's arguments.
@@ -32,5 +35,6 @@ pub fn main() -> ExitCode {
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Pace(arguments) => pace::run(&arguments),
         Command::Edits(arguments) => edits::run(&arguments),
+        Command::Quiet(arguments) => quiet::run(&arguments),
     })
 }

@@ -3,6 +3,7 @@
 //! ```text
 //! bench    tables, plots and a summary of what presets cost
 //! edits    from an edit to the picture of it
+//! quiet    from an edit until its picture is quiet, with denoising and without
 //! pace     how smoothly the window goes while it renders
 //! ```
 //!
@@ -30,6 +31,7 @@ pub mod pareto;
 pub mod parts;
 pub mod plan;
 pub mod plot;
+pub mod quiet;
 pub mod summary;
 pub mod truth;
 pub mod units;

@@ -13,6 +13,7 @@ use std::time::{Duration, Instant};
 use egui::{Context, Ui};
 use renderer_core::design::Pattern;
 use towel_designer::backend::{self, BackendChoice};
+use towel_designer::denoiser;
 use towel_designer::designer::{App, Setup, Stage, in_a_window};
 
 /// Frames at the beginning of a phase that are not counted: caches fill, pipelines are made.
@@ -85,6 +86,7 @@ pub fn measure(preset: PathBuf, choice: BackendChoice, time: Duration) -> anyhow
             preset: Some(preset),
             choice,
             make: Arc::new(backend::make),
+            denoiser: Arc::new(denoiser::make),
             system_dialogs: false,
             folders: None,
         };

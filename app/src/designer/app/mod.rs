@@ -74,11 +74,11 @@ impl App {
         let config = setup.folders.as_ref().map(|folders| &*folders.config);
         let mut app = Self {
             document: Document::default(),
-            viewport: Viewport::new(Arc::clone(&setup.make), setup.choice, cc, config),
+            viewport: Viewport::new(&setup, cc, config),
             panels: Panels::with_open(filing.settings.open_panels.clone()),
             presets: Presets::new(ctx, setup.folders.clone()),
             thumbnails: ThumbnailRenderer::new(Arc::clone(&setup.make), ctx.clone()),
-            export: Export::new(setup.choice, setup.make),
+            export: Export::new(setup.choice, setup.make, setup.denoiser),
             shell: Shell::new(Dialogs::new(setup.system_dialogs)),
             window: WindowState::default(),
             filing,
@@ -172,7 +172,7 @@ impl App {
     /// Takes what the render thread has to show and to report.
     fn take_pictures(&mut self, ctx: &Context) {
         if let Some(news) = self.viewport.take_news(ctx) {
-            self.shell.notices.error("The GPU stopped", news);
+            self.shell.notices.error(news.title, news.text);
         }
         let refused = self.viewport.watch().and_then(DeviceWatch::take_refused);
         if let Some(refused) = refused {

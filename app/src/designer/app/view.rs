@@ -26,6 +26,7 @@ impl App {
             ViewCommand::Calibrate => self.viewport.toggle_calibration(),
             ViewCommand::ScaleBar => self.viewport.toggle_scale_bar(),
             ViewCommand::Loupe => self.viewport.toggle_loupe(),
+            ViewCommand::Denoise => self.viewport.toggle_denoising(),
             ViewCommand::Snapshot => {
                 if !self.viewport.take_snapshot(ctx) {
                     let text = "There is no picture yet.";

@@ -14,6 +14,7 @@ use renderer_core::design::CameraDesign;
 use super::App;
 use super::window::in_a_window;
 use crate::backend::{self, BackendChoice};
+use crate::denoiser;
 use crate::designer::{Document, Folders, LiveLight, Setup};
 use crate::files::{self, BUNDLE_ENDING, FileError};
 
@@ -88,6 +89,7 @@ fn open(
                 preset,
                 choice: kept.as_ref().map_or(choice, |kept| kept.choice),
                 make: Arc::new(backend::make),
+                denoiser: Arc::new(denoiser::make),
                 system_dialogs: true,
                 folders: Folders::of_user(),
             };

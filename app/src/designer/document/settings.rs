@@ -49,6 +49,14 @@ pub struct Settings {
     pub open_panels: BTreeMap<String, bool>,
     /// The folder last used for a purpose.
     pub folders: BTreeMap<String, PathBuf>,
+    /// The folder that Open Image Denoise is taken from; without, it is looked for.
+    pub denoiser_folder: Option<PathBuf>,
+}
+
+/// The folder that the settings in a folder name for Open Image Denoise, if they can be read and name one.
+pub fn denoiser_folder(folder: &Path) -> Option<PathBuf> {
+    let text = fs::read_to_string(folder.join(Settings::FILE)).ok()?;
+    toml::from_str::<Settings>(&text).ok()?.denoiser_folder
 }
 
 impl Default for Settings {
@@ -62,6 +70,7 @@ impl Default for Settings {
             recent: Vec::new(),
             open_panels: BTreeMap::new(),
             folders: BTreeMap::new(),
+            denoiser_folder: None,
         }
     }
 }
@@ -111,6 +120,9 @@ impl Settings {
         // A path that is no text cannot be written down.
         settings.recent.retain(|path| path.to_str().is_some());
         settings.folders.retain(|_, path| path.to_str().is_some());
+        settings.denoiser_folder = settings
+            .denoiser_folder
+            .filter(|path| path.to_str().is_some());
         toml::to_string(&settings).unwrap_or_default()
     }
 

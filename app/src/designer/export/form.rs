@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use egui::{ComboBox, Grid, Ui};
 use renderer_core::design::{Design, Method, Quality};
+use renderer_core::image::ExrLayer;
 use renderer_core::render::MAX_SIDE;
 
 use crate::backend::BackendChoice;
@@ -53,6 +54,8 @@ pub(super) struct Form {
     pub size: [u32; 2],
     pub samples: u32,
     pub transparent: bool,
+    /// Whether noise is taken out of it.
+    pub denoise: bool,
     /// Whether a PNG takes its design along.
     pub takes_design: bool,
     pub dots_per_inch: f64,
@@ -83,6 +86,7 @@ impl Form {
             size: [1600, 1200],
             samples: Quality::default().samples,
             transparent: false,
+            denoise: false,
             takes_design: true,
             dots_per_inch: 300.0,
             choice,
@@ -110,6 +114,14 @@ impl Form {
     /// The time to stop after.
     pub fn time_limit(&self) -> Option<Duration> {
         self.seconds.map(Duration::from_secs_f64)
+    }
+
+    /// Extra channels of an EXR file.
+    pub fn layers(&self) -> Vec<ExrLayer> {
+        self.denoise
+            .then_some(ExrLayer::Noisy)
+            .into_iter()
+            .collect()
     }
 
     fn set_size(&mut self, size: [u32; 2]) {
@@ -145,6 +157,12 @@ impl Form {
                 ui.label("Background");
                 check_box(ui, &mut self.transparent, "transparent").on_hover_text(
                     "Leaves the background out: the cloth alone, to be laid over something else.",
+                );
+                ui.end_row();
+                ui.label("Noise");
+                check_box(ui, &mut self.denoise, "denoise").on_hover_text(
+                    "Takes noise out with Open Image Denoise, as far as that does good: a guess, which the file tells \
+                     of. EXR files keep the noisy picture as well. Off, the picture is what was traced.",
                 );
                 ui.end_row();
                 self.design(ui);

@@ -13,8 +13,9 @@ use renderer_core::scene::lod::{LodBudget, LodCompiler, LodView};
 use renderer_core::scene::{Cancel, CompileError};
 
 use super::Subject;
-use crate::advice::{Place, with_advice, with_advice_on_cloth};
+use crate::advice::{Place, with_advice, with_advice_on_cloth, with_advice_on_denoiser};
 use crate::backend::BackendChoice;
+use crate::denoiser::MakeDenoiser;
 use crate::designer::render_thread::renderer::MakeBackend;
 use crate::designer::tasks::Task;
 use crate::files;
@@ -30,6 +31,8 @@ pub(super) struct ExportRequest {
     pub error: f64,
     pub time: Option<Duration>,
     pub transparent: bool,
+    /// What takes noise out of it, if anything is to.
+    pub denoiser: Option<MakeDenoiser>,
     /// Whether a PNG takes its design along.
     pub takes_design: bool,
     pub dots_per_inch: f64,
@@ -106,6 +109,8 @@ impl ExportRequest {
         let text = |error: &dyn std::fmt::Display| error.to_string();
         // Now rather than after minutes of rendering.
         files::check_writable(&self.path).map_err(|error| text(&error))?;
+        let denoiser = self.denoiser.as_ref().map(|make| make()).transpose();
+        let denoiser = denoiser.map_err(|error| with_advice_on_denoiser(&error, Place::Export))?;
         let is_given_up = || cancel.load(Ordering::Relaxed);
         let made = LodView::new(
             &mut LodCompiler::default(),
@@ -152,7 +157,7 @@ impl ExportRequest {
         };
         let choice = self.choice.for_method(self.subject.design.quality.method);
         let mut backend = make(choice).map_err(|error| with_advice(&error, Place::Export))?;
-        match picture_file::make(&order, &mut *backend, &self.path, cancel, report) {
+        match picture_file::make(&order, &mut *backend, denoiser, &self.path, cancel, report) {
             Ok(_) => Ok(Outcome::Written(warnings)),
             Err(Failure::Cancelled) => Ok(Outcome::Cancelled),
             Err(Failure::Render(error)) => Err(with_advice(&error, Place::Export)),

@@ -9,9 +9,10 @@ use std::sync::Arc;
 
 use egui::{Align2, Context, ProgressBar, ScrollArea, Ui, Window};
 use renderer_core::design::{CameraDesign, Design};
-use renderer_core::image::{Depth, ExrLayer};
+use renderer_core::image::Depth;
 
 use crate::backend::BackendChoice;
+use crate::denoiser::MakeDenoiser;
 use crate::designer::render_thread::renderer::MakeBackend;
 use crate::designer::tasks::Poll;
 use crate::files::Carried;
@@ -27,6 +28,7 @@ pub struct Export {
     /// Whether the window is open.
     pub is_open: bool,
     make: MakeBackend,
+    denoiser: MakeDenoiser,
     form: Form,
     job: Option<ExportJob>,
 }
@@ -56,10 +58,11 @@ pub enum Event {
 
 impl Export {
     /// A closed window, with `choice` at first; renders with what `make` makes.
-    pub fn new(choice: BackendChoice, make: MakeBackend) -> Self {
+    pub fn new(choice: BackendChoice, make: MakeBackend, denoiser: MakeDenoiser) -> Self {
         Self {
             is_open: false,
             make,
+            denoiser,
             form: Form::new(choice),
             job: None,
         }
@@ -84,6 +87,7 @@ impl Export {
             error: self.form.error_target(),
             time: self.form.time_limit(),
             transparent: self.form.transparent,
+            denoiser: self.form.denoise.then(|| Arc::clone(&self.denoiser)),
             takes_design: self.form.takes_design,
             dots_per_inch: self.form.dots_per_inch,
             choice: self.form.choice,
@@ -99,11 +103,11 @@ impl Export {
     fn format_of(&self, path: &Path) -> Format {
         let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
         match (ending.as_deref(), self.form.file_type) {
-            (Some("exr"), _) => Format::Exr(Vec::<ExrLayer>::new()),
+            (Some("exr"), _) => Format::Exr(self.form.layers()),
             (Some("png"), FileType::Png16) => Format::Png(Depth::Sixteen),
             (Some("png"), _) | (_, FileType::Png8) => Format::Png(Depth::Eight),
             (_, FileType::Png16) => Format::Png(Depth::Sixteen),
-            (_, FileType::Exr) => Format::Exr(Vec::new()),
+            (_, FileType::Exr) => Format::Exr(self.form.layers()),
         }
     }
 

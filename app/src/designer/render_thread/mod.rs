@@ -15,10 +15,12 @@
 //! | `render_job` | a picture in work, and the ladder of sizes it climbs |
 //! | `stand_in`, `fallback` | the processor in place of a GPU that is not ready, or has failed |
 //! | `renderer`, `display_table` | a backend, and how its pictures become frames of the window |
+//! | `denoising` | the thread that denoises pictures, and when |
 //! | `draft_lighting` | what the viewport estimates instead of tracing it |
 //! | `workers` | the threads that render, behind those of the window in priority |
 
 mod coarse_preview;
+mod denoising;
 mod display_table;
 pub mod draft_lighting;
 mod fallback;
@@ -30,6 +32,7 @@ mod worker;
 pub mod workers;
 
 use std::any::Any;
+use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -39,9 +42,14 @@ use std::time::Duration;
 use renderer_core::design::{CameraDesign, Design};
 use renderer_core::image::Display;
 
-pub use view_state::{DeviceInUse, Priority, SceneSummary, Seen, Stage, ViewState};
+pub use denoising::Denoising;
+pub use view_state::{
+    DenoisedPart, DeviceInUse, News, Priority, SceneSummary, Seen, Stage, ViewState,
+};
 
 use crate::backend::BackendChoice;
+use crate::denoiser::MakeDenoiser;
+use denoising::Outcome;
 use draft_lighting::LiveLight;
 use renderer::MakeRenderer;
 use worker::Worker;
@@ -63,10 +71,13 @@ pub struct ViewRequest {
     pub attempt: u32,
     /// Which light.
     pub light: LiveLight,
+    /// Whether pictures are denoised where that can be done.
+    pub denoises: bool,
 }
 
 impl ViewRequest {
-    /// Whether both have the same samples: they differ in nothing but how light becomes colour, and in saved views.
+    /// Whether both have the same samples: they differ in nothing but how light becomes colour, whether noise is taken
+    /// out of it, and in saved views.
     pub fn has_samples_of(&self, other: &Self) -> bool {
         let same_design = || {
             let mut design = Design::clone(&other.design);
@@ -83,6 +94,8 @@ impl ViewRequest {
 enum Mail {
     /// Something new to show.
     Request(Box<ViewRequest>),
+    /// Something that the denoiser has to say.
+    Denoiser(Outcome),
     /// Nothing: go on with what is in work.
     None,
     /// The window is gone.
@@ -92,6 +105,8 @@ enum Mail {
 #[derive(Default)]
 struct Mailbox {
     request: Option<Box<ViewRequest>>,
+    /// What the denoiser has to say, in order.
+    denoised: VecDeque<Outcome>,
     stop: bool,
     /// Whether the thread sleeps and nothing was posted since.
     is_resting: bool,
@@ -110,8 +125,9 @@ struct Shared {
 }
 
 impl Shared {
-    /// The mail there is; without any sleeps until some comes, unless something `is_working`.
-    fn next_mail(&self, is_working: bool) -> Mail {
+    /// The mail there is; without any sleeps until some comes, unless something `is_working`. While the denoiser
+    /// `is_busy` that is no rest.
+    fn next_mail(&self, is_working: bool, denoiser_is_busy: bool) -> Mail {
         let mut mailbox = lock(&self.mailbox);
         loop {
             if mailbox.stop {
@@ -121,10 +137,13 @@ impl Shared {
                 self.cancel.store(false, Ordering::Relaxed);
                 return Mail::Request(request);
             }
+            if let Some(outcome) = mailbox.denoised.pop_front() {
+                return Mail::Denoiser(outcome);
+            }
             if is_working {
                 return Mail::None;
             }
-            mailbox.is_resting = true;
+            mailbox.is_resting = !denoiser_is_busy;
             self.rest.notify_all();
             let woken = self.mail.wait(mailbox);
             mailbox = woken.unwrap_or_else(PoisonError::into_inner);
@@ -153,16 +172,18 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 pub struct RenderThread {
     shared: Arc<Shared>,
     make: MakeRenderer,
+    denoiser: MakeDenoiser,
     repaint: egui::Context,
     thread: Option<JoinHandle<()>>,
 }
 
 impl RenderThread {
     /// Starts the thread. It asks `repaint` for a frame whenever it has news.
-    pub fn new(make: MakeRenderer, repaint: egui::Context) -> Self {
+    pub fn new(make: MakeRenderer, denoiser: MakeDenoiser, repaint: egui::Context) -> Self {
         let mut this = Self {
             shared: Arc::default(),
             make,
+            denoiser,
             repaint,
             thread: None,
         };
@@ -172,9 +193,10 @@ impl RenderThread {
 
     fn start(&mut self) {
         let shared = Arc::clone(&self.shared);
-        let (make, repaint) = (Arc::clone(&self.make), self.repaint.clone());
+        let (make, denoiser) = (Arc::clone(&self.make), Arc::clone(&self.denoiser));
+        let repaint = self.repaint.clone();
         let thread = std::thread::Builder::new().name("render".into());
-        let started = thread.spawn(move || run(&shared, make, &repaint));
+        let started = thread.spawn(move || run(&shared, make, denoiser, &repaint));
         match started {
             Ok(thread) => self.thread = Some(thread),
             Err(error) => {
@@ -219,9 +241,11 @@ impl Drop for RenderThread {
 }
 
 /// The thread, from its start to the end of the window. A panic ends it, and is published as an error.
-fn run(shared: &Shared, make: MakeRenderer, repaint: &egui::Context) {
+fn run(shared: &Arc<Shared>, make: MakeRenderer, denoiser: MakeDenoiser, repaint: &egui::Context) {
     workers::stand_back();
-    let work = AssertUnwindSafe(|| Worker::new(shared, make, repaint).run());
+    // What an earlier thread was still to be told is not for this one.
+    lock(&shared.mailbox).denoised.clear();
+    let work = AssertUnwindSafe(|| Worker::new(shared, make, denoiser, repaint).run());
     if let Err(panic) = catch_unwind(work) {
         let reason = reason_of(&*panic);
         let mut state = lock(&shared.state);

@@ -138,6 +138,13 @@ impl DisplayTransform {
         }
     }
 
+    /// A picture from elsewhere, which becomes the last one.
+    pub fn frame_of(&mut self, picture: Picture, display: Display) -> Option<DisplayFrame> {
+        self.picture = Some(picture);
+        self.table.set(display);
+        self.encoded()
+    }
+
     fn encoded(&self) -> Option<DisplayFrame> {
         let picture = self.picture.as_ref()?;
         let colour = |&[r, g, b, _]: &[f32; 4]| {

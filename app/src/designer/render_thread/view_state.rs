@@ -7,6 +7,7 @@ use renderer_core::render::{BackendKind, Progress};
 use renderer_core::scene::LoopCounts;
 use renderer_core::scene::lod::LodCloth;
 
+use super::denoising::Denoising;
 use super::renderer::DisplayFrame;
 
 /// What the thread has to show.
@@ -18,6 +19,8 @@ pub struct ViewState {
     pub picture: LatestPicture,
     /// The newest scene.
     pub scene: SceneSummary,
+    /// Whether pictures can be denoised.
+    pub denoising: Denoising,
     /// What renders, once something does.
     pub device: Option<DeviceInUse>,
     /// Width and height of the picture in work at its full size, pixels; less than requested where the backend or its
@@ -28,7 +31,16 @@ pub struct ViewState {
     /// Why something else renders than was chosen, as long as it does.
     pub instead: Option<String>,
     /// Something that happened, and how many such things did.
-    pub news: (u64, String),
+    pub news: (u64, News),
+}
+
+/// Something that happened.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct News {
+    /// What, in short.
+    pub title: &'static str,
+    /// All of it.
+    pub text: String,
 }
 
 /// How far the requested picture is.
@@ -66,8 +78,21 @@ pub struct LatestPicture {
     pub progress: Progress,
     /// Whether it is a small one, drawn for speed.
     pub is_reduced: bool,
+    /// What of it is denoised, if anything is (see [`renderer_core::denoise::Mix`]).
+    pub denoised: Option<DenoisedPart>,
     /// Time spent rendering since the last request that changed the picture.
     pub seconds: f64,
+}
+
+/// What of a picture is denoised.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DenoisedPart {
+    /// Samples of a pixel that it was denoised from.
+    pub samples: u32,
+    /// The share of it that is denoised, 0 to 1; the rest is plain.
+    pub share: f64,
+    /// Estimated relRMSE of the mixture, bias included.
+    pub error: Option<f64>,
 }
 
 /// What there is to say about the newest scene.
@@ -108,8 +133,8 @@ pub enum Priority {
 
 impl ViewState {
     /// Notes something that happened, to be shown once.
-    pub fn report(&mut self, news: String) {
-        self.news = (self.news.0 + 1, news);
+    pub fn report(&mut self, title: &'static str, text: String) {
+        self.news = (self.news.0 + 1, News { title, text });
     }
 
     /// Takes `frame` as a new version of the newest picture.

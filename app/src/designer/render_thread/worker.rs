@@ -1,5 +1,6 @@
 //! What the thread does: takes a request, makes its scene and its picture, and answers failures.
 
+mod denoised;
 mod preview;
 
 use std::sync::Arc;
@@ -13,6 +14,7 @@ use renderer_core::render::{Progress, RenderError, RenderRequest};
 use renderer_core::scene::lod::{LodBudget, LodCloth, LodCompiler, LodPlan};
 use renderer_core::scene::{self, Cancel, ChartYarns, CompileError};
 
+use super::denoising::{DenoiseThread, Denoised};
 use super::fallback::{Fallback, Remedy};
 use super::render_job::RenderJob;
 use super::renderer::{DisplayTransform, MakeRenderer, Renderer};
@@ -20,6 +22,7 @@ use super::stand_in::StandIn;
 use super::{Mail, SceneSummary, Seen, Shared, Stage, ViewRequest, ViewState, lock, workers};
 use crate::advice::{Place, with_advice, with_advice_on_cloth};
 use crate::backend::BackendChoice;
+use crate::denoiser::MakeDenoiser;
 
 /// How long a backend works before the thread looks for news.
 const SLICE: Duration = Duration::from_millis(50);
@@ -73,13 +76,25 @@ pub struct Worker<'a> {
     transform: DisplayTransform,
     /// How the last picture was shown.
     display: Option<Display>,
+    denoising: DenoiseThread,
+    /// The last denoised picture of the job.
+    denoised: Option<Denoised>,
+    /// Whether that is what is shown.
+    shows_denoised: bool,
+    /// How far the job is.
+    progress: Progress,
     /// Seconds for a sample of a pixel, as last measured.
     cost: Option<f64>,
 }
 
 impl<'a> Worker<'a> {
     /// Nothing requested, nothing made.
-    pub fn new(shared: &'a Shared, make: MakeRenderer, repaint: &'a egui::Context) -> Self {
+    pub fn new(
+        shared: &'a Arc<Shared>,
+        make: MakeRenderer,
+        denoiser: MakeDenoiser,
+        repaint: &'a egui::Context,
+    ) -> Self {
         Self {
             shared,
             make,
@@ -97,6 +112,10 @@ impl<'a> Worker<'a> {
             job: None,
             transform: DisplayTransform::default(),
             display: None,
+            denoising: DenoiseThread::start(denoiser, shared),
+            denoised: None,
+            shows_denoised: false,
+            progress: Progress::default(),
             cost: None,
         }
     }
@@ -105,12 +124,13 @@ impl<'a> Worker<'a> {
     pub fn run(&mut self) {
         loop {
             let is_working = self.job.as_ref().is_some_and(|job| !job.is_done);
-            let mut result = match self.shared.next_mail(is_working) {
+            let mut result = match self.shared.next_mail(is_working, self.denoising.is_busy()) {
                 Mail::Stop => return,
                 Mail::Request(view) => {
                     self.view = Some(view);
                     self.take_request()
                 }
+                Mail::Denoiser(outcome) => self.take_denoised(outcome),
                 Mail::None => self.advance(),
             };
             while let Err(failure) = result {
@@ -143,7 +163,7 @@ impl<'a> Worker<'a> {
                     Remedy::Again(news) => {
                         tracing::warn!("{error}");
                         if let Some(news) = news {
-                            self.publish(|state| state.report(news));
+                            self.publish(|state| state.report("The GPU stopped", news));
                         }
                         return self.take_request();
                     }
@@ -182,9 +202,15 @@ impl<'a> Worker<'a> {
             state.size = size;
         });
         match &mut self.job {
-            Some(job) if job.request == request => return self.show_again(view.display),
+            Some(job) if job.request == request => {
+                self.show_again(view.display)?;
+                return self.denoise_if_due();
+            }
             Some(job) if job.goes_on_as(&request) => job.go_on_as(request),
-            _ => self.job = Some(RenderJob::new(request, self.cost)),
+            _ => {
+                self.job = Some(RenderJob::new(request, self.cost));
+                self.forget_denoised();
+            }
         }
         self.begin()
     }
@@ -325,6 +351,7 @@ impl<'a> Worker<'a> {
         let start = Instant::now();
         let drawing = self.stand_in.drawing(renderer);
         let progress = advance(drawing, &self.shared.cancel)?;
+        self.progress = progress;
         let (cost, is_due) = job.note(progress, start.elapsed().as_secs_f64());
         if !matches!(self.stand_in, StandIn::Draws(_)) {
             self.cost = cost.or(self.cost);
@@ -336,6 +363,7 @@ impl<'a> Worker<'a> {
         } else if stays {
             self.publish(|state| state.picture.progress.done = true);
         }
+        self.denoise_if_due()?;
         if progress.done {
             return self.climb();
         }
@@ -345,6 +373,7 @@ impl<'a> Worker<'a> {
     /// Goes on with a picture twice as large, or rests.
     fn climb(&mut self) -> Result<(), Failure> {
         if self.job.as_mut().is_some_and(RenderJob::climb) {
+            self.progress = Progress::default();
             return self.begin();
         }
         self.publish(|state| state.stage = Stage::Idle);
@@ -362,13 +391,26 @@ impl<'a> Worker<'a> {
         let (display, softness) = (view.display, job.softness(progress.samples));
         let transform = &mut self.transform;
         let drawing = self.stand_in.shown(renderer);
-        let frame = workers::with_all(|| transform.frame(drawing, display, softness))?;
+        // A denoised picture stays until the next one: plain ones in between would flicker.
+        let stays = self.denoised.is_some() && view.denoises;
+        let frame = match stays {
+            true => None,
+            false => Some(workers::with_all(|| {
+                transform.frame(drawing, display, softness)
+            })?),
+        };
         let device = self.stand_in.device(renderer);
-        self.display = Some(display);
         job.published(start.elapsed());
         let (seconds, is_reduced) = (job.seconds, job.is_reduced());
+        if !stays {
+            self.display = Some(display);
+            self.shows_denoised = false;
+        }
         self.publish(|state| {
-            state.show(frame);
+            if let Some(frame) = frame {
+                state.show(frame);
+                state.picture.denoised = None;
+            }
             state.picture.progress = progress;
             state.picture.is_reduced = is_reduced;
             state.picture.seconds = seconds;
@@ -381,8 +423,17 @@ impl<'a> Worker<'a> {
         Ok(())
     }
 
-    /// Publishes the last picture as another display shows it.
+    /// Publishes the last picture as another display shows it, or denoised, or no longer.
     fn show_again(&mut self, display: Display) -> Result<(), Failure> {
+        let denoises = self.view.as_ref().is_some_and(|view| view.denoises);
+        let shows_denoised = denoises && self.denoised.is_some();
+        if shows_denoised {
+            self.show_denoised(display);
+            return Ok(());
+        }
+        if self.shows_denoised {
+            return self.show(self.progress);
+        }
         if self.display == Some(display) {
             return Ok(());
         }

@@ -4,10 +4,11 @@ use egui::{Color32, RichText, Sense, Sides, Stroke, StrokeKind, TextStyle, Ui, v
 use renderer_core::design::Design;
 use renderer_core::render::BackendKind;
 
-use crate::designer::render_thread::ViewState;
 use crate::designer::render_thread::draft_lighting::LiveLight;
+use crate::designer::render_thread::{Denoising, ViewState};
 use crate::designer::shell::command::Command;
-use crate::designer::shell::view_bar::{backend_name, backends, live_lights};
+use crate::designer::shell::view_bar::{DENOISE, backend_name, backends, live_lights};
+use crate::designer::viewport::command::ViewCommand;
 use crate::designer::viewport::{Viewport, progress_text};
 use crate::designer::widgets::shortened;
 
@@ -19,6 +20,7 @@ pub fn show(ui: &mut Ui, design: &Design, viewport: &Viewport, commands: &mut Ve
         |ui| {
             device(ui, viewport, commands);
             light(ui, design, viewport, commands);
+            denoising(ui, viewport, commands);
             readout(ui, viewport);
         },
     );
@@ -33,10 +35,20 @@ fn parts(viewport: &Viewport, state: &ViewState, magnification: Option<f64>) -> 
         "samples of every pixel, and the time they took".into(),
     )];
     let mut say = |text: String, what: &str| parts.push(Part(text, what.into()));
-    if let (false, Some(error)) = (
-        state.picture.is_reduced,
-        state.picture.progress.error_estimate,
-    ) {
+    let denoised = state.picture.denoised;
+    if let Some(denoised) = denoised {
+        let what = format!(
+            "what is shown is denoised, of so many samples: {:.0} % of it, the rest is as it is. The bar at the right \
+            shows the picture without",
+            100.0 * denoised.share
+        );
+        say(format!("denoised of {}", denoised.samples), &what);
+    }
+    let error = match denoised {
+        Some(denoised) => denoised.error,
+        None => state.picture.progress.error_estimate,
+    };
+    if let (false, Some(error)) = (state.picture.is_reduced, error) {
         let text = format!("error {:.1} %", 100.0 * error);
         say(
             text,
@@ -185,6 +197,31 @@ fn device(ui: &mut Ui, viewport: &Viewport, commands: &mut Vec<Command>) {
         .response
         .accessible_name("Backend")
         .on_hover_text(tooltip.trim_start());
+}
+
+/// Shows the picture denoised or as it is, a click each; says so where it cannot be denoised.
+fn denoising(ui: &mut Ui, viewport: &Viewport, commands: &mut Vec<Command>) {
+    match &viewport.state().denoising {
+        Denoising::Looking => {}
+        Denoising::Missing(why) => {
+            ui.label(RichText::new("no denoiser").weak())
+                .on_hover_text(why);
+        }
+        Denoising::Ready(by) => {
+            let is_on = viewport.denoises();
+            let button = ui.selectable_label(is_on, "denoise");
+            let what = format!(
+                "{DENOISE}\nBy {by}. Click to show the picture {}.",
+                match is_on {
+                    true => "as it is",
+                    false => "denoised",
+                }
+            );
+            if button.on_hover_text(what).clicked() {
+                commands.push(Command::View(ViewCommand::Denoise));
+            }
+        }
+    }
 }
 
 fn light(ui: &mut Ui, design: &Design, viewport: &Viewport, commands: &mut Vec<Command>) {

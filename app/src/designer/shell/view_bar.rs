@@ -4,6 +4,7 @@ use egui::{Button, Id, Key, TextEdit, Ui};
 use renderer_core::design::{CameraDesign, Design};
 
 use crate::backend::BackendChoice;
+use crate::designer::render_thread::Denoising;
 use crate::designer::render_thread::draft_lighting::LiveLight;
 use crate::designer::shell::command::{Command, keys_of};
 use crate::designer::shell::command_buttons::{item, tool};
@@ -74,6 +75,11 @@ const TOGGLES: [Toggle; 3] = [
 const TRUE_SCALE: &str = "Shows the cloth as large as it is: a millimetre of cloth is a millimetre of screen, in \
     parallel projection.";
 
+/// What denoising does.
+pub const DENOISE: &str = "Takes noise out of the picture after the first sample and at every doubling, the less the \
+    clearer it is by itself. What is taken out is a guess: fine detail may be smoother than it will be. Exports are not \
+    affected.";
+
 /// The menu "View".
 pub fn menu(ui: &mut Ui, design: &Design, viewport: &Viewport, commands: &mut Vec<Command>) {
     item(ui, "Fit", true, Command::Fit, commands);
@@ -102,6 +108,7 @@ pub fn menu(ui: &mut Ui, design: &Design, viewport: &Viewport, commands: &mut Ve
             ui.close();
         }
     }
+    denoise(ui, viewport, commands);
     ui.menu_button("Compare", |ui| compare(ui, viewport, commands));
     line(
         ui,
@@ -123,6 +130,25 @@ pub fn menu(ui: &mut Ui, design: &Design, viewport: &Viewport, commands: &mut Ve
             "This design leaves nothing to choose: it traces one scattering, or says itself after how many it \
             estimates.",
         );
+    });
+}
+
+/// Whether the picture is denoised; where it cannot be, why, and how one gets what it takes.
+fn denoise(ui: &mut Ui, viewport: &Viewport, commands: &mut Vec<Command>) {
+    let (can_be, what) = match &viewport.state().denoising {
+        Denoising::Ready(by) => (true, format!("{DENOISE}\nBy {by}.")),
+        Denoising::Looking => (false, "A denoiser is being looked for.".to_owned()),
+        Denoising::Missing(why) => (false, why.clone()),
+    };
+    ui.add_enabled_ui(can_be, |ui| {
+        let mut is_on = can_be && viewport.denoises();
+        let check = check_box(ui, &mut is_on, "Denoise")
+            .on_hover_text(&what)
+            .on_disabled_hover_text(&what);
+        if check.clicked() {
+            commands.push(Command::View(ViewCommand::Denoise));
+            ui.close();
+        }
     });
 }
 

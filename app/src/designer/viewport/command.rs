@@ -20,6 +20,8 @@ pub enum ViewCommand {
     ScaleBar,
     /// Show or hide the loupe.
     Loupe,
+    /// Show the picture denoised, or as it is.
+    Denoise,
     /// Keep the present picture for comparison.
     Snapshot,
     /// Show or hide the snapshot beside the picture.

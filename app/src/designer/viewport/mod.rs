@@ -30,9 +30,10 @@ use renderer_core::image::Display;
 use renderer_core::render::MAX_SIDE;
 
 use crate::backend::BackendChoice;
+use crate::designer::Setup;
 use crate::designer::render_thread::draft_lighting::LiveLight;
-use crate::designer::render_thread::renderer::{MakeBackend, for_window};
-use crate::designer::render_thread::{RenderThread, Stage, ViewRequest, ViewState};
+use crate::designer::render_thread::renderer::for_window;
+use crate::designer::render_thread::{News, RenderThread, Stage, ViewRequest, ViewState};
 use crate::designer::shell::command::Command;
 use crate::designer::widgets::style;
 use camera_moves::StandardView;
@@ -85,14 +86,10 @@ pub struct Viewport {
 }
 
 impl Viewport {
-    /// A viewport that renders with what `make` makes of `choice`, or on the window's own device, and remembers its
-    /// settings in the folder.
-    pub fn new(
-        make: MakeBackend,
-        choice: BackendChoice,
-        cc: &CreationContext<'_>,
-        folder: Option<&Path>,
-    ) -> Self {
+    /// A viewport that renders with what the setup makes of its choice, or on the window's own device, and remembers
+    /// its settings in the folder.
+    pub fn new(setup: &Setup, cc: &CreationContext<'_>, folder: Option<&Path>) -> Self {
+        let (make, choice) = (Arc::clone(&setup.make), setup.choice);
         let window = cc.wgpu_render_state.clone();
         let watch = window.as_ref().map(|window| {
             let repaint = cc.egui_ctx.clone();
@@ -104,7 +101,7 @@ impl Viewport {
             light: LiveLight::default(),
             shows_net: false,
             net_point: None,
-            thread: RenderThread::new(make, cc.egui_ctx.clone()),
+            thread: RenderThread::new(make, Arc::clone(&setup.denoiser), cc.egui_ctx.clone()),
             window,
             watch,
             choice,
@@ -227,6 +224,16 @@ impl Viewport {
     /// Shows or hides the scale bar.
     pub fn toggle_scale_bar(&mut self) {
         self.screen.toggle_scale_bar();
+    }
+
+    /// Whether the picture is denoised where it can be.
+    pub fn denoises(&self) -> bool {
+        self.screen.denoises()
+    }
+
+    /// Shows the picture denoised, or as it is.
+    pub fn toggle_denoising(&mut self) {
+        self.screen.toggle_denoising();
     }
 
     /// Whether there is a loupe.
@@ -374,6 +381,7 @@ impl Viewport {
             choice: self.choice,
             attempt: self.attempt,
             light: self.light,
+            denoises: self.denoises(),
         };
         if last != Some(&request) {
             let same_samples = last.is_some_and(|last| request.has_samples_of(last));
@@ -384,7 +392,7 @@ impl Viewport {
 
     /// Takes what the render thread has to show, and returns news of it. Before anything is laid out, so that a frame
     /// shows one state.
-    pub fn take_news(&mut self, ctx: &Context) -> Option<String> {
+    pub fn take_news(&mut self, ctx: &Context) -> Option<News> {
         let reported = self.state.news.0;
         self.state = self.thread.state();
         let version = self.state.picture.version;

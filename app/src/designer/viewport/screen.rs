@@ -26,6 +26,8 @@ struct Settings {
     dots_per_inch: Option<f64>,
     /// Whether there is a scale bar.
     scale_bar: bool,
+    /// Whether the picture is shown as it is, though it could be denoised.
+    plain: bool,
     /// Whether the user has turned, moved or zoomed a cloth before.
     knows_gestures: bool,
 }
@@ -101,6 +103,16 @@ impl Screen {
     /// Shows or hides the scale bar.
     pub fn toggle_scale_bar(&mut self) {
         self.settings.scale_bar = !self.settings.scale_bar;
+    }
+
+    /// Whether the picture is denoised where it can be.
+    pub fn denoises(&self) -> bool {
+        !self.settings.plain
+    }
+
+    /// Shows the picture denoised, or as it is.
+    pub fn toggle_denoising(&mut self) {
+        self.settings.plain = !self.settings.plain;
     }
 
     /// Whether to say how a cloth is turned, moved and zoomed.

@@ -25,6 +25,7 @@ impl Worker<'_> {
         };
         // Whatever was in work is of another design.
         self.job = None;
+        self.forget_denoised();
         let Some((_, renderer)) = &mut self.renderer else {
             return Ok(false);
         };
@@ -43,9 +44,10 @@ impl Worker<'_> {
         }
         let transform = &mut self.transform;
         let frame = workers::with_all(|| transform.frame(renderer, view.display, 0.0))?;
-        self.display = Some(view.display);
+        (self.display, self.shows_denoised) = (Some(view.display), false);
         self.publish(|state| {
             state.show(frame);
+            state.picture.denoised = None;
             state.picture.progress = Progress {
                 done: false,
                 ..progress

@@ -2,7 +2,7 @@
 //!
 //! What the denoiser makes of a pixel depends on those around it, so that each band is given with rows of the bands above
 //! and below it, or one would see where they meet; therefore a band is denoised once the next is rendered. How much
-//! of the picture is denoised is measured at the first band, and is the same for all.
+//! of the picture is denoised is measured at the first band that shows cloth, and is the same for all below.
 
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
@@ -19,6 +19,8 @@ pub struct Band {
     pub picture: Picture,
     /// How many.
     pub samples: u32,
+    /// The relRMSE that the backend estimates of it, where it does.
+    pub error: Option<f64>,
     /// The picture when it had fewer, and how many.
     pub earlier: Option<(u32, Picture)>,
 }
@@ -44,7 +46,7 @@ pub struct Denoising {
     scale: f32,
     /// The last rows of the band above, as rendered.
     above: Vec<[f32; 4]>,
-    /// What the first band tells.
+    /// What the first band with cloth tells.
     mix: Option<(f64, Option<f64>)>,
     squares: f64,
     sum: f64,
@@ -78,6 +80,7 @@ impl Denoising {
         let Band {
             mut picture,
             samples,
+            error,
             earlier,
         } = band;
         let [width, height] = picture.size.map(|side| side as usize);
@@ -103,20 +106,27 @@ impl Denoising {
         let now = Step {
             samples,
             plain: picture,
+            error,
             denoised,
         };
         let (share, _) = match self.mix {
             Some(known) => known,
             None => {
+                let earlier = earlier.filter(|_| error.is_some());
                 let before = earlier.map(|(samples, plain)| -> Result<Step, DenoiseError> {
                     Ok(Step {
                         samples,
                         denoised: self.denoiser.denoise(&plain, high, scale, cancel)?,
                         plain,
+                        error: None,
                     })
                 });
                 let mix = Mix::new(before.transpose()?.as_ref(), &now);
-                *self.mix.insert((mix.share, mix.error))
+                // A band of background alone tells nothing.
+                if error != Some(0.0) {
+                    self.mix = Some((mix.share, mix.error));
+                }
+                (mix.share, mix.error)
             }
         };
         let mut made = now.mixed(share);
@@ -137,6 +147,11 @@ impl Denoising {
         }
         self.took += start.elapsed();
         Ok(made)
+    }
+
+    /// Whether the next band has to tell how much is denoised.
+    pub fn has_to_measure(&self) -> bool {
+        self.mix.is_none()
     }
 
     /// What was done so far.

@@ -338,6 +338,7 @@ impl Work<'_> {
             let band = Band {
                 picture: self.backend.picture()?,
                 samples,
+                error,
                 earlier,
             };
             Ok((samples, error, band))
@@ -373,8 +374,8 @@ impl Work<'_> {
         Ok(())
     }
 
-    /// Adds samples to a band until it is done. Its samples and its error; where the first is to be denoised, `earlier`
-    /// is its state at the last power of two of samples.
+    /// Adds samples to a band until it is done. Its samples and its error; where it tells how
+    /// much is denoised, `earlier` is its state at the last power of two of samples.
     fn render(
         &mut self,
         crop: [u32; 4],
@@ -386,6 +387,7 @@ impl Work<'_> {
         let begun = self.begun.elapsed();
         let limit = self.order.time.map(|time| time.mul_f64(after));
         let is_first = self.made.bands == 0;
+        let is_measured = (self.denoising.as_ref()).is_some_and(Denoising::has_to_measure);
         loop {
             let left = limit.map(|limit| limit.saturating_sub(self.begun.elapsed()));
             // Past its time a band without samples goes on until it has one.
@@ -422,7 +424,7 @@ impl Work<'_> {
             }
             let last = earlier.as_ref().map_or(0, |(samples, _)| *samples);
             let is_doubled = progress.samples >= (last + 1).next_power_of_two();
-            if is_first && is_doubled && self.denoising.is_some() {
+            if is_doubled && is_measured {
                 *earlier = Some((progress.samples, self.backend.picture()?));
             }
         }

@@ -1,18 +1,27 @@
 //! How much of a picture is denoised: as much as makes its error least, by what its own samples tell.
 //!
-//! Let P be the plain mean of N samples, p that of the first n of them, S that of the others, and d what denoising makes
-//! of p. S knows nothing of p's noise, nor of d's, so that, with σ² the variance of a sample and e(d) the error of d,
+//! Let P be the plain mean of N samples and e(P) its error, which a backend estimates from sixteen samples on; p the mean
+//! of the first n of them, S that of the other m = N − n, and d what denoising makes of p. With squares meant as means
+//! over pixels and channels, and errors of means that fall as samples grow, n·e(p)² = m·e(S)²,
 //!
 //! ```text
-//! |p − S|² = σ²·(1/n + 1/(N − n))        |d − S|² = e(d)² + σ²/(N − n)
+//! e(S)² = (N·e(P)² + n·m·|p − S|²/N) / 2m        e(d)² = |d − S|² − e(S)²
 //! ```
 //!
-//! (means over pixels and channels). That gives e(P)² = σ²/N and e(d)², without any truth. The denoised picture D of all
-//! samples is taken to be as far off as d, which is a little more than it is, and by another error than that of P: then
-//! w·D + (1 − w)·P is best at w = e(P)²/(e(P)² + e(d)²). With few samples it is nearly D; as P converges it is P, so that
-//! the bias of denoising goes as the noise does. The idea of measuring denoised pixels against independent ones follows
-//! Firmino, Frisvad and Jensen, "Progressive Denoising of Monte Carlo Rendered Images", Eurographics 2022; here one
-//! weight serves the whole picture, so that no seams can come of it.
+//! The first holds however p and S depend on each other, as halves of one sequence do; the second since S knows nothing of
+//! d's noise, of which little is left. The denoised picture D of all samples is taken to be as far off as d, which is a
+//! little more than it is. How far it is from P tells what noise the two still share: with c the mean product of their
+//! errors, |D − P|² = e(D)² + e(P)² − 2c, and the mixture w·D + (1 − w)·P is best at
+//!
+//! ```text
+//! w = ½ + (e(P)² − e(D)²) / 2|D − P|²
+//! ```
+//!
+//! (0 to 1). Without an earlier state c is taken to be 0. With few samples the mixture is nearly D; as P converges it is P,
+//! so that the bias of denoising goes as the noise does. Below sixteen samples all of it is D.
+//!
+//! The idea to hold denoised pixels against others follows Firmino, Frisvad and Jensen, "Progressive Denoising of Monte
+//! Carlo Rendered Images", Eurographics 2022; here one weight serves the whole picture, so that no seams can come of it.
 
 use crate::image::Picture;
 use crate::image::metrics::mean;
@@ -24,6 +33,8 @@ pub struct Step {
     pub samples: u32,
     /// Their mean.
     pub plain: Picture,
+    /// The relRMSE that the backend estimates of it, where it does.
+    pub error: Option<f64>,
     /// Denoised, of the same size.
     pub denoised: Picture,
 }
@@ -40,59 +51,73 @@ pub struct Mix {
 }
 
 impl Mix {
-    /// Mixes a step by what an earlier one of the same picture, with fewer samples, tells; without one all of it is
-    /// denoised.
+    /// Mixes a step by what it tells, and an earlier one of the same picture with fewer samples; all of it is denoised where
+    /// its noise is not known.
     pub fn new(earlier: Option<&Step>, now: &Step) -> Self {
         let earlier = earlier.filter(|earlier| {
             earlier.samples > 0
                 && earlier.samples < now.samples
                 && earlier.plain.size == now.plain.size
         });
-        let Some([noise, bias]) = earlier.and_then(|earlier| squares(earlier, now)) else {
+        let mean = mean(&now.plain);
+        let Some(noise) = now.error.map(|error| (error * mean).powi(2)) else {
             return Self {
                 picture: now.denoised.clone(),
                 share: 1.0,
                 error: None,
             };
         };
-        let share = if noise > 0.0 {
-            noise / (noise + bias)
-        } else {
-            0.0
+        let apart = square(&now.denoised, &now.plain);
+        let bias = match earlier {
+            Some(earlier) => bias_of(earlier, now, noise),
+            None => (apart - noise).max(0.0),
         };
-        let square = share * share * bias + (1.0 - share) * (1.0 - share) * noise;
-        let mean = mean(&now.plain);
+        let share = match noise > 0.0 && apart > 0.0 && bias.is_finite() {
+            true => (0.5 + (noise - bias) / (2.0 * apart)).clamp(0.0, 1.0),
+            false => 0.0,
+        };
+        let rest = 1.0 - share;
+        let shared = bias + noise - apart;
+        let square = share * share * bias + rest * rest * noise + share * rest * shared;
         Self {
             picture: now.mixed(share),
             share,
-            error: (mean > 0.0).then(|| square.sqrt() / mean),
+            error: (mean > 0.0).then(|| square.max(0.0).sqrt() / mean),
         }
     }
 }
 
-/// Mean squares of the errors of the plain picture and of a denoised one; `None` where nothing differs, as in a picture
-/// of background.
-fn squares(earlier: &Step, now: &Step) -> Option<[f64; 2]> {
+/// The mean square of what two pictures differ by.
+fn square(a: &Picture, b: &Picture) -> f64 {
+    let pixels = a.pixels.iter().zip(&b.pixels);
+    let sum: f64 = pixels.map(|(a, b)| squares(a, b)).sum();
+    sum / (3 * a.pixels.len()).max(1) as f64
+}
+
+fn squares(a: &[f32; 4], b: &[f32; 4]) -> f64 {
+    let channels = a.iter().zip(b).take(3);
+    channels.map(|(a, b)| f64::from(a - b).powi(2)).sum()
+}
+
+/// The mean square of the error of the earlier step's denoised picture, where that of the plain one now is `noise`. Pixels
+/// that had ended before tell nothing and are taken to have none.
+fn bias_of(earlier: &Step, now: &Step, noise: f64) -> f64 {
     let (n, all) = (f64::from(earlier.samples), f64::from(now.samples));
-    let [mut of_plain, mut of_denoised, mut count] = [0.0; 3];
+    let m = all - n;
+    let [mut halves, mut denoised] = [0.0; 2];
     let pixels = earlier.plain.pixels.iter().zip(&now.plain.pixels);
-    for ((before, after), denoised) in pixels.zip(&earlier.denoised.pixels) {
-        // Pixels that had ended before have no other samples.
-        if before == after {
-            continue;
-        }
-        for c in 0..3 {
-            let [p, mean, d] = [before[c], after[c], denoised[c]].map(f64::from);
-            let others = (all * mean - n * p) / (all - n);
-            of_plain += (p - others).powi(2);
-            of_denoised += (d - others).powi(2);
-            count += 1.0;
+    for ((before, after), d) in pixels.zip(&earlier.denoised.pixels) {
+        if before != after {
+            let others: [f32; 4] = std::array::from_fn(|c| {
+                ((all * f64::from(after[c]) - n * f64::from(before[c])) / m) as f32
+            });
+            halves += squares(before, &others);
+            denoised += squares(d, &others);
         }
     }
-    let variance = of_plain / count / (1.0 / n + 1.0 / (all - n));
-    let bias = of_denoised / count - variance / (all - n);
-    let are_known = variance.is_finite() && bias.is_finite();
-    are_known.then(|| [variance / all, bias.max(0.0)])
+    let count = (3 * now.plain.pixels.len()).max(1) as f64;
+    let of_others = (all * noise + n * m * halves / count / all) / (2.0 * m);
+    (denoised / count - of_others).max(0.0)
 }
 
 impl Step {

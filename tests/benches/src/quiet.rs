@@ -217,20 +217,23 @@ struct Row {
     told: Option<f64>,
 }
 
-/// Draws up to so many samples, and notes the time.
+/// Draws up to so many samples, and notes the time; the picture, and its estimated relRMSE.
 fn draw(
     backend: &mut dyn Backend,
     request: &RenderRequest,
     spent: &mut Spent,
-) -> anyhow::Result<Picture> {
+) -> anyhow::Result<(Picture, Option<f64>)> {
     workers::with_all(|| backend.begin(request))?;
     let never = AtomicBool::new(false);
-    while !timed(spent, || {
-        workers::with_all(|| backend.advance(SLICE, &never))
-    })?
-    .done
-    {}
-    Ok(workers::with_all(|| backend.picture())?)
+    loop {
+        let progress = timed(spent, || {
+            workers::with_all(|| backend.advance(SLICE, &never))
+        })?;
+        if progress.done {
+            let picture = workers::with_all(|| backend.picture())?;
+            return Ok((picture, progress.error_estimate));
+        }
+    }
 }
 
 fn curve(
@@ -248,13 +251,14 @@ fn curve(
     let mut samples = 1;
     while samples <= most {
         request.settings.samples = samples;
-        let plain = draw(backend, &request, &mut spent)?;
+        let (plain, error) = draw(backend, &request, &mut spent)?;
         let start = Instant::now();
         let denoised = denoiser.denoise(&plain, DenoiseQuality::High, scale, &never)?;
         let took = start.elapsed().as_secs_f64();
         let step = Step {
             samples,
             plain,
+            error,
             denoised,
         };
         let mix = Mix::new(last.as_ref(), &step);
@@ -312,7 +316,7 @@ pub fn run(arguments: &QuietArguments) -> anyhow::Result<()> {
     // Another seed than that of what is held to it.
     request.settings.seed = !settings.seed;
     request.settings.samples = arguments.truth;
-    let truth = draw(&mut *backend, &request, &mut Spent::zero())?;
+    let (truth, _) = draw(&mut *backend, &request, &mut Spent::zero())?;
     request.settings.seed = settings.seed;
 
     let display = Display::from(&after.view);

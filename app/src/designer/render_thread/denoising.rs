@@ -9,9 +9,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread::JoinHandle;
 
 use renderer_core::denoise::{Denoise, DenoiseError, DenoiseQuality, Mix, Step};
 use renderer_core::image::Picture;
+use renderer_core::render::Progress;
 
 use super::{Shared, reason_of, workers};
 use crate::advice::{Place, with_advice_on_denoiser};
@@ -37,6 +39,7 @@ struct Job {
     picture_number: u64,
     samples: u32,
     picture: Picture,
+    error: Option<f64>,
     scale: f32,
     cancel: Arc<AtomicBool>,
 }
@@ -62,6 +65,7 @@ pub enum Outcome {
 /// The thread as the one that renders sees it.
 pub struct DenoiseThread {
     jobs: Option<Sender<Job>>,
+    thread: Option<JoinHandle<()>>,
     /// Whether there is a denoiser.
     pub state: Denoising,
     /// Counts pictures, so that what comes too late is known.
@@ -78,12 +82,14 @@ impl DenoiseThread {
         let shared = Arc::clone(shared);
         let thread = std::thread::Builder::new().name("denoise".into());
         let started = thread.spawn(move || run(&make, &received, &shared));
+        let state = match &started {
+            Ok(_) => Denoising::Looking,
+            Err(error) => Denoising::Missing(format!("no thread to denoise with: {error}")),
+        };
         Self {
-            jobs: started.is_ok().then_some(jobs),
-            state: match started {
-                Ok(_) => Denoising::Looking,
-                Err(error) => Denoising::Missing(format!("no thread to denoise with: {error}")),
-            },
+            jobs: Some(jobs),
+            thread: started.ok(),
+            state,
             picture_number: 0,
             under_way: None,
             schedule: Schedule::default(),
@@ -110,14 +116,16 @@ impl DenoiseThread {
         is_free && self.schedule.is_due(samples, is_done)
     }
 
-    /// Gives it the picture of so many samples; white is 1 in its values times `scale`.
-    pub fn denoise(&mut self, samples: u32, picture: Picture, scale: f32) {
+    /// Gives it a picture that is so far; white is 1 in its values times `scale`.
+    pub fn denoise(&mut self, progress: Progress, picture: Picture, scale: f32) {
+        let samples = progress.samples;
         self.schedule.note(samples);
         let cancel = Arc::<AtomicBool>::default();
         let job = Job {
             picture_number: self.picture_number,
             samples,
             picture,
+            error: progress.error_estimate,
             scale,
             cancel: Arc::clone(&cancel),
         };
@@ -148,9 +156,14 @@ impl DenoiseThread {
 
 impl Drop for DenoiseThread {
     fn drop(&mut self) {
-        // It ends by itself, when it sees that there will be no more jobs.
         if let Some(cancel) = &self.under_way {
             cancel.store(true, Ordering::Relaxed);
+        }
+        // Without jobs to come it ends. The program must not end before: it would take the library away under the thread.
+        self.jobs = None;
+        if let Some(thread) = self.thread.take() {
+            // It catches its panics.
+            let _ = thread.join();
         }
     }
 }
@@ -227,6 +240,7 @@ fn carry_out(
     let step = Step {
         samples: job.samples,
         plain: job.picture,
+        error: job.error,
         denoised,
     };
     let earlier = last

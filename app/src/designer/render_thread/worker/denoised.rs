@@ -30,7 +30,7 @@ impl Worker<'_> {
         let shown = self.stand_in.shown(renderer).backend();
         let picture = workers::with_all(|| shown.picture())?;
         let scale = view.display.exposure.exp2() as f32;
-        self.denoising.denoise(progress.samples, picture, scale);
+        self.denoising.denoise(progress, picture, scale);
         Ok(())
     }
 

@@ -51,3 +51,5 @@ override FILTER_F32: bool = false;
 override OPAQUE_RAYS: bool = true;
 // Ground yarns are looked for only where pile lets something through.
 override HIDDEN_GROUND: bool = true;
+// How much of the environment's light arrives at a path's last point is tracked as along a shadow ray.
+override LAST_LOOKS: bool = true;

@@ -119,7 +119,9 @@ fn lit(
     var sum = vec3<f32>();
     // `tracked`, and later scatterings, meet the environment where a path escapes, unless it is drawn.
     let is_cut_off = PATH_CUTOFF && bounce == slice.path_cutoff;
-    let sky = ENVIRONMENT && (SAMPLED_ENVIRONMENT || is_cut_off || (METHOD != METHOD_TRACKED && bounce == 1u));
+    let looks_last = LAST_LOOKS && METHOD == METHOD_TRACKED && bounce == slice.bounces;
+    let composited = METHOD != METHOD_TRACKED && bounce == 1u;
+    let sky = ENVIRONMENT && (SAMPLED_ENVIRONMENT || is_cut_off || looks_last || composited);
     let sources = SUN_COUNT + AREA_COUNT;
     let lights = sources + u32(sky);
     let cached = CACHED_SHADOWS && sample < slice.cached_shadows;
@@ -194,7 +196,8 @@ fn trace_path(camera_ray: Ray, film: vec4<f32>, seed: u32, sample: u32) -> Path 
         if METHOD != METHOD_TRACKED && !LONG_PATHS {
             break;
         }
-        if bounce == slice.bounces && (!ENVIRONMENT || SAMPLED_ENVIRONMENT) {
+        let looks_last = LAST_LOOKS && METHOD == METHOD_TRACKED;
+        if bounce == slice.bounces && (!ENVIRONMENT || SAMPLED_ENVIRONMENT || looks_last) {
             break;
         }
         let onward = sample_set(seed, sample, set_at(bounce, SET_ONWARD));

@@ -3,7 +3,7 @@
 
 use renderer_core::design::{Colour, Design, Method, Pattern, Phase};
 use renderer_core::image::Picture;
-use renderer_core::render::Backend;
+use renderer_core::render::{Backend, Optimisation, RenderRequest};
 
 use crate::support::agreement::same_distribution;
 use crate::support::closed::closed;
@@ -16,12 +16,22 @@ pub const SIZE: [u32; 2] = [16, 12];
 /// Samples of one picture: 16 pictures have 256.
 const SAMPLES: u32 = 16;
 
+/// Without what takes noise away, which the reference does not: what that is worth is another test's.
 fn on_backend<'a>(
     backend: &mut dyn Backend,
     case: impl Into<Case<'a>>,
     size: [u32; 2],
 ) -> Vec<Picture> {
-    repeats(backend, &request(case, size), 31_000)
+    repeats(backend, &noisy(request(case, size)), 31_000)
+}
+
+/// A picture with all its noise.
+pub fn noisy(mut request: RenderRequest) -> RenderRequest {
+    let optimisations = request.settings.optimisations;
+    request.settings.optimisations = optimisations
+        .without(Optimisation::WeighedEvents)
+        .without(Optimisation::LastLooks);
+    request
 }
 
 fn on_reference<'a>(case: impl Into<Case<'a>>, size: [u32; 2]) -> Vec<Picture> {

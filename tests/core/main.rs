@@ -32,6 +32,7 @@ mod grid;
 mod height;
 mod intervals;
 mod layout;
+mod less_noise;
 mod levels;
 mod lobes;
 mod lod_regions;

@@ -60,12 +60,12 @@ fn specialise(parts: &[Part], entry: &str, constants: &[(&str, f64)]) -> naga::M
 }
 
 /// How many values each feature of [`key_of`] has.
-const CHOICES: [usize; 24] = [
-    4, 5, 3, 3, 3, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2,
+const CHOICES: [usize; 25] = [
+    4, 5, 3, 3, 3, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2,
 ];
 
 /// The key that has one value of each feature.
-fn key_of(values: &[usize; 24]) -> PipelineKey {
+fn key_of(values: &[usize; 25]) -> PipelineKey {
     let on = |place: usize| values[place] == 1;
     let methods = [
         Method::Single,
@@ -104,6 +104,7 @@ fn key_of(values: &[usize; 24]) -> PipelineKey {
         filter_f32: on(21),
         opaque_rays: on(22),
         hidden_ground: on(23),
+        last_looks: on(24),
     }
 }
 
@@ -265,7 +266,7 @@ fn functions_for(key: &PipelineKey) -> BTreeSet<String> {
 
 #[test]
 fn a_pipeline_has_no_function_that_its_constants_rule_out() {
-    let mut values = [0; 24];
+    let mut values = [0; 25];
     // Lit, with ground yarns.
     (values[2], values[6], values[13]) = (1, 1, 1);
     let single = key_of(&values);

@@ -287,13 +287,12 @@ impl MetLoops<'_> {
         let steps = |from: u32| L::field(words, from, (1 << bits) - 1);
         let low = floor + steps(heights) * step_mm;
         let high = floor + (steps(heights + bits) + L::splat(1.0)) * step_mm;
-        let passes = |subcell: u32, shift: u32, [lowest, highest]: [f32; 2]| {
-            L::has(words, subcell << shift) & L::splat(lowest).le(high) & low.le(L::splat(highest))
-        };
         let (quadrant, z) = pieces.start.unwrap_or_default();
-        let mut shown = passes(quadrant, layout.masks_shift(), [z, z]);
+        let start = quadrant << layout.masks_shift();
+        let mut shown = passes::<L>(words, start, [low, high], [z, z]);
         for &(subcell, heights) in &pieces.list[..pieces.count] {
-            shown = shown | passes(subcell, self.subcells_shift, heights);
+            let bit = subcell << self.subcells_shift;
+            shown = shown | passes::<L>(words, bit, [low, high], heights);
         }
         shown
     }
@@ -325,4 +324,15 @@ impl MetLoops<'_> {
             ],
         }
     }
+}
+
+/// Whether entries have a bit, and their heights any of a piece's.
+#[inline(always)]
+fn passes<L: Lanes>(
+    words: L::Words,
+    bit: u32,
+    [low, high]: [L; 2],
+    [lowest, highest]: [f32; 2],
+) -> L::Mask {
+    L::has(words, bit) & L::splat(lowest).le(high) & low.le(L::splat(highest))
 }

@@ -24,3 +24,14 @@ pub(super) struct Overlap {
     /// Extinction by this loop, 1/mm.
     pub sigma: f32,
 }
+
+/// A place where some of what comes along a ray scatters in pile.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct PileEvent {
+    /// Distance along the ray, mm.
+    pub t: f64,
+    pub index: u32,
+    pub place: [f32; 3],
+    /// How much of all that comes along the ray.
+    pub share: f32,
+}

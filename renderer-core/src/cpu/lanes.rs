@@ -55,6 +55,9 @@ pub(super) trait Lanes:
     /// A bit for each truth.
     fn bits(mask: Self::Mask) -> u32;
 
+    /// The whole parts of numbers from 0 to below 2³¹, as numbers and as words.
+    fn whole(self) -> (Self, [u32; LANES]);
+
     fn load_words(words: &[u32; LANES]) -> Self::Words;
     /// Bits `from` and above of each word, of which as many count as `mask` tells, as a number (below 2³¹).
     fn field(words: Self::Words, from: u32, mask: u32) -> Self;
@@ -230,6 +233,12 @@ impl Lanes for Plain {
     fn bits(mask: PlainMask) -> u32 {
         let bit = |(lane, is_true): (usize, bool)| u32::from(is_true) << lane;
         mask.0.into_iter().enumerate().map(bit).sum()
+    }
+
+    #[inline(always)]
+    fn whole(self) -> (Self, [u32; LANES]) {
+        let words = self.0.map(|value| value as u32);
+        (Self(words.map(|word| word as f32)), words)
     }
 
     #[inline(always)]

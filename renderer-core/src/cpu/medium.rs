@@ -11,7 +11,7 @@ use crate::optics::Vertex;
 use crate::render::accumulation::Sample;
 use crate::render::shadow_cache::ShadowCache;
 use crate::sampling::Pcg;
-use crate::transport::{Medium, PathInputs, PathTracer, Start};
+use crate::transport::{Candidate, Medium, PathInputs, PathTracer, Start};
 
 /// A tracer that computes in lanes `L`.
 struct InLanes<'a, L> {
@@ -81,6 +81,47 @@ impl<L: Lanes> Medium for InLanes<'_, L> {
         scratch: &mut Scratch,
     ) -> Option<Vertex> {
         self.tracer.collision::<L>(ray, start, pcg, scratch)
+    }
+
+    #[inline(always)]
+    fn tracks_last_looks(&self) -> bool {
+        self.tracer.tracks_last_looks
+    }
+
+    #[inline(always)]
+    fn weighs_candidates(&self) -> bool {
+        self.tracer.weighs_candidates
+    }
+
+    #[inline(always)]
+    fn candidates(
+        &self,
+        ray: &Ray,
+        pcg: &mut Pcg,
+        points: &mut Vec<Candidate>,
+        scratch: &mut Scratch,
+    ) -> f64 {
+        self.tracer.candidates::<L>(ray, pcg, points, scratch)
+    }
+
+    #[inline(always)]
+    fn room(&self, scratch: &mut Scratch) -> Vec<Candidate> {
+        std::mem::take(&mut scratch.candidates)
+    }
+
+    #[inline(always)]
+    fn keep_room(&self, points: Vec<Candidate>, scratch: &mut Scratch) {
+        scratch.candidates = points;
+    }
+
+    #[inline(always)]
+    fn own_transmittance(&self, point: &Candidate, direction: DVec3) -> f64 {
+        match &point.place {
+            Some(place) => self
+                .tracer
+                .own_transmittance::<L>(place, direction.as_vec3a()),
+            None => 1.0,
+        }
     }
 
     /// Its origin is one of the sheet.

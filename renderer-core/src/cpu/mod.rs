@@ -16,6 +16,7 @@ mod backend;
 mod batch;
 mod block;
 mod block_ray;
+mod candidates;
 mod cloth;
 mod composite;
 mod crossing;

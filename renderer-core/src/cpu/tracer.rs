@@ -6,6 +6,7 @@ use super::Instructions;
 use super::cloth::Cloth;
 use super::ground::GroundHit;
 use super::scratch::Scratch;
+use crate::design::Method;
 use crate::geometry::{Camera, Ray};
 use crate::render::shadow_cache::{ShadowCache, ShadowKey};
 use crate::render::{Optimisation, RenderRequest, Settings};
@@ -21,6 +22,8 @@ pub struct Tracer {
     pub(super) skips_empty: bool,
     pub(super) remembers_tests: bool,
     pub(super) ends_opaque_rays: bool,
+    pub(super) weighs_candidates: bool,
+    pub(super) tracks_last_looks: bool,
     /// What earlier samples, and pictures of the same cloth in the same light, know of shadows.
     pub(super) shadow_cache: Option<Arc<ShadowCache>>,
 }
@@ -48,6 +51,12 @@ impl Tracer {
             skips_empty: optimisations.has(Optimisation::EmptyCells),
             remembers_tests: optimisations.has(Optimisation::RepeatedTests),
             ends_opaque_rays: optimisations.has(Optimisation::OpaqueRays),
+            tracks_last_looks: settings.method == Method::Tracked
+                && optimisations.has(Optimisation::LastLooks),
+            // With more scatterings most of the noise, and of the time, is theirs.
+            weighs_candidates: settings.method == Method::Tracked
+                && settings.path_cutoff().unwrap_or(settings.bounces) == 1
+                && optimisations.has(Optimisation::WeighedEvents),
             shadow_cache,
         }
     }

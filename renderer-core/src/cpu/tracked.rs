@@ -28,13 +28,13 @@ const MOST_OVERLAP: f32 = limits::MOST_OVERLAP as f32;
 const ROULETTE_BELOW: f32 = 1.0 / 16.0;
 
 /// A place where a ray may collide.
-struct Tentative {
+pub(super) struct Tentative {
     /// Distance along the ray, mm.
-    t: f64,
+    pub t: f64,
     /// Most that σ may be here, 1/mm.
-    majorant: f32,
+    pub majorant: f32,
     /// σ there, 1/mm.
-    sigma: f32,
+    pub sigma: f32,
 }
 
 impl Tracer {
@@ -135,7 +135,7 @@ impl Tracer {
     /// Calls `collide` at the tentative collisions of a ray, in order, until it breaks or the ray meets the ground (if
     /// it is to be looked for) or leaves the cloth; the ground's hit if it got there.
     #[inline(always)]
-    fn track<L: Lanes>(
+    pub(super) fn track<L: Lanes>(
         &self,
         ray: &Ray,
         part: [f64; 2],

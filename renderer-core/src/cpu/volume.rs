@@ -89,6 +89,15 @@ impl VoxelTable {
         }
     }
 
+    /// A voxel, the one beside it along w, and these two of the next column, a byte each.
+    #[inline(always)]
+    fn square(&self, voxel: usize) -> u32 {
+        let rho = &self.rho[voxel..voxel + self.layers + 2];
+        let [a, b] = [rho[0], rho[1]];
+        let [c, d] = [rho[self.layers], rho[self.layers + 1]];
+        u32::from_le_bytes([a, b, c, d])
+    }
+
     /// Whether long ways through a loop's frame are mostly air, and it may be asked where.
     pub fn is_sparse(&self) -> bool {
         !self.full_before.is_empty()
@@ -102,6 +111,16 @@ impl VoxelTable {
     pub fn bytes(&self) -> u64 {
         (size_of_val(&*self.rho) + size_of_val(&*self.full_before)) as u64
     }
+}
+
+/// Between the four voxels of eight [`VoxelTable::square`]s.
+#[inline(always)]
+fn in_square<L: Lanes>(squares: &[u32; LANES], up: L, right: L) -> L {
+    let words = L::load_words(squares);
+    let (a, b) = (L::field(words, 0, 255), L::field(words, 8, 255));
+    let (c, d) = (L::field(words, 16, 255), L::field(words, 24, 255));
+    let (here, beside) = (a + up * (b - a), c + up * (d - c));
+    here + right * (beside - here)
 }
 
 /// Less than a tenth of the voxels of fur and grass are not empty, but 0.2 of those of shag and more of terry's.
@@ -206,6 +225,38 @@ impl Yarn<'_> {
             * share(x - column as f32, [0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0])
             * share(y - row as f32, [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0]);
         (weights * L::bytes(corners)).sum() * (1.0 / 255.0)
+    }
+
+    /// ρ at eight places (u, v, w), faded out towards the root; a loop's borders go on beyond it.
+    #[inline(always)]
+    pub fn rhos<L: Lanes>(&self, [u, v, w]: [L; 3]) -> L {
+        let table = self.table;
+        let (zero, half, one) = (L::splat(0.0), L::splat(0.5), L::splat(1.0));
+        let (side, layers) = (L::splat(table.side as f32), L::splat(table.layers as f32));
+        let x = (u * side - half).max(zero).min(side - one);
+        let y = (v * side - half).max(zero).min(side - one);
+        let z = (w + half) * layers - if table.linear { half } else { zero };
+        let z = z.max(zero).min(layers - one);
+        let ((column, _), (row, _), (layer, _)) = (x.whole(), y.whole(), z.whole());
+        let (_, voxels) = ((row * side + column) * layers + layer).whole();
+        let next_row = table.side * table.layers;
+        let (mut near, mut far) = ([0; LANES], [0; LANES]);
+        for lane in 0..LANES {
+            let voxel = self.first + voxels[lane] as usize;
+            near[lane] = table.square(voxel);
+            far[lane] = table.square(voxel + next_row);
+        }
+        let up = if table.linear { z - layer } else { zero };
+        let (right, ahead) = (x - column, y - row);
+        let near = in_square::<L>(&near, up, right);
+        let rho = near + ahead * (in_square::<L>(&far, up, right) - near);
+        let rho = rho * L::splat(1.0 / 255.0);
+        let blend = table.root_blend;
+        if blend <= 0.0 {
+            return rho;
+        }
+        let x = (v * L::splat(1.0 / blend)).max(zero).min(one);
+        rho * x * x * (L::splat(3.0) - x - x)
     }
 
     /// Share of the density that a loop has at height `v` above its root.

@@ -257,6 +257,17 @@ mod avx2 {
         }
 
         #[inline(always)]
+        fn whole(self) -> (Self, [u32; LANES]) {
+            let mut words = [0; LANES];
+            // SAFETY: see [`Avx2`]; there is room for eight.
+            unsafe {
+                let whole = _mm256_cvttps_epi32(self.0);
+                _mm256_storeu_si256(words.as_mut_ptr().cast(), whole);
+                (Self(_mm256_cvtepi32_ps(whole)), words)
+            }
+        }
+
+        #[inline(always)]
         fn load_words(words: &[u32; LANES]) -> __m256i {
             // SAFETY: see [`Avx2`]; there are eight.
             unsafe { _mm256_loadu_si256(words.as_ptr().cast()) }

@@ -58,6 +58,8 @@ pub struct PipelineKey {
     pub opaque_rays: bool,
     /// Ground yarns are looked for only where pile lets something through.
     pub hidden_ground: bool,
+    /// The last ray of a path by `tracked` is a shadow ray to the environment.
+    pub last_looks: bool,
 }
 
 impl PipelineKey {
@@ -103,6 +105,8 @@ impl PipelineKey {
             filter_f32,
             opaque_rays: settings.optimisations.has(Optimisation::OpaqueRays),
             hidden_ground: settings.optimisations.has(Optimisation::HiddenGround),
+            last_looks: settings.method == Method::Tracked
+                && settings.optimisations.has(Optimisation::LastLooks),
         }
     }
 
@@ -154,6 +158,7 @@ impl PipelineKey {
             flag("FILTER_F32", self.filter_f32),
             flag("OPAQUE_RAYS", self.opaque_rays),
             flag("HIDDEN_GROUND", self.hidden_ground),
+            flag("LAST_LOOKS", self.last_looks),
         ]
     }
 }

@@ -41,9 +41,11 @@ pub struct Sample {
     pub first: Option<FirstHit>,
 }
 
-/// The first scattering of a sample.
+/// The first scattering of a sample; means where it may be at several points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FirstHit {
+    /// Share of what came along the ray that met cloth.
+    pub share: f64,
     /// Distance from the eye, mm.
     pub depth_mm: f64,
     /// Unit normal, turned towards the eye, world space.
@@ -90,7 +92,7 @@ struct PixelSums {
     /// Sums of [`signed_sum`], a scramble each.
     signed: [f64; SCRAMBLES as usize],
     samples: u32,
-    covered: u32,
+    covered: f32,
 }
 
 impl PixelSums {
@@ -212,11 +214,11 @@ impl Tile {
         pixel.signed[scramble_of(number) as usize] += signed_sum(sample.radiance, [x, y]);
         pixel.samples += 1;
         if let Some(first) = &sample.first {
-            pixel.covered += 1;
+            pixel.covered += first.share as f32;
             if let Some(aov) = self.aov.get_mut(index) {
-                aov.depth += first.depth_mm;
-                aov.normal += first.normal;
-                aov.albedo += first.albedo;
+                aov.depth += first.share * first.depth_mm;
+                aov.normal += first.share * first.normal;
+                aov.albedo += first.share * first.albedo;
             }
         }
     }
@@ -356,7 +358,7 @@ impl Accumulation {
                     let scale = 1.0 / f64::from(sums.samples);
                     let [r, g, b] = (sums.radiance * scale).as_vec3().to_array();
                     pixels[to] = [r, g, b, (f64::from(sums.covered) * scale) as f32];
-                    if let Some(aov) = aov.as_mut().filter(|_| sums.covered > 0) {
+                    if let Some(aov) = aov.as_mut().filter(|_| sums.covered > 0.0) {
                         let (sums, scale) = (&source.aov[from], 1.0 / f64::from(sums.covered));
                         aov.depth[to] = (sums.depth * scale) as f32;
                         aov.normal[to] = (sums.normal * scale).as_vec3().to_array();

@@ -28,11 +28,18 @@ pub enum Optimisation {
     UnusedShading,
     /// Parts of a scene whose inputs did not change. Exact.
     UnchangedSections,
+    /// Points of pile that send hardly any light to the eye: where `tracked` follows paths to their first scattering
+    /// only, each light takes of several points along a camera ray the one that an estimate of its light chooses.
+    /// Unbiased.
+    WeighedEvents,
+    /// The end of a path of `tracked` whose last ray only looks for the environment: how much of that arrives is tracked
+    /// as along a shadow ray. Unbiased.
+    LastLooks,
 }
 
 impl Optimisation {
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::EmptyCells,
         Self::RepeatedTests,
         Self::BackgroundTiles,
@@ -41,6 +48,8 @@ impl Optimisation {
         Self::HiddenGround,
         Self::UnusedShading,
         Self::UnchangedSections,
+        Self::WeighedEvents,
+        Self::LastLooks,
     ];
 
     /// Its name on the command line.
@@ -54,6 +63,8 @@ impl Optimisation {
             Self::HiddenGround => "hidden-ground",
             Self::UnusedShading => "unused-shading",
             Self::UnchangedSections => "unchanged-sections",
+            Self::WeighedEvents => "weighed-events",
+            Self::LastLooks => "last-looks",
         }
     }
 

@@ -60,26 +60,29 @@ pub enum Set {
     Film,
     /// At which level of detail a sample sees the cloth (one dimension).
     Level,
-    /// x and y on the disc of sun `sun`, at scattering `bounce` (1 is the first).
+    /// x and y on the disc of sun `sun`, at scattering `bounce` (1 is the first), a spare one, and which of a ray's
+    /// points it lights.
     Sun {
         /// Which scattering, from 1.
         bounce: u32,
         /// Which sun, from 0, below 8.
         sun: u32,
     },
-    /// Place on area light `area` (two dimensions).
+    /// Place on area light `area` (two dimensions), a spare one, and which of a ray's points it lights.
     Area {
         /// Which scattering, from 1.
         bounce: u32,
         /// Which area light, from 0, below 4.
         area: u32,
     },
-    /// Direction towards the environment (two dimensions), at the first scattering of `single` and `layered`.
+    /// Direction towards the environment (two dimensions), half of the sky, and which of a ray's points it lights: where
+    /// the environment is reached by a shadow ray.
     Environment {
         /// Which scattering, from 1.
         bounce: u32,
     },
-    /// Direction of the path after scattering `bounce` (two dimensions), then Russian roulette, then spare.
+    /// Direction of the path after scattering `bounce` (two dimensions), then Russian roulette, then which of a ray's
+    /// points it goes on from.
     Onward {
         /// Which scattering, from 1.
         bounce: u32,

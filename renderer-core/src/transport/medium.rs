@@ -1,6 +1,6 @@
 //! What a path asks of the cloth it goes through.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3A};
 
 use crate::geometry::{Camera, Ray};
 use crate::optics::{Optics, Vertex};
@@ -34,6 +34,31 @@ pub struct PathInputs<'a> {
     /// Share of looks at the environment that go to the other side of the ground.
     pub looks_down: f64,
 }
+
+/// A point of a loop's volume.
+#[derive(Debug, Clone, Copy)]
+pub struct LoopPlace {
+    /// Index of the loop.
+    pub index: u32,
+    /// u, v and w of the point.
+    pub inside: [f32; 3],
+    /// How u, v and w change along x, y and z, 1/mm.
+    pub gradients: [Vec3A; 3],
+}
+
+/// A point at which some of what comes along a ray scatters.
+#[derive(Debug, Clone, Copy)]
+pub struct Candidate {
+    /// The point.
+    pub vertex: Vertex,
+    /// How much of all that comes along the ray.
+    pub share: f64,
+    /// Where it lies in its loop, for one of the pile that others compete with.
+    pub place: Option<LoopPlace>,
+}
+
+/// Most candidates of a ray.
+pub const MOST_CANDIDATES: usize = 8;
 
 /// Cloth as rays meet it.
 pub trait Medium {
@@ -74,6 +99,44 @@ pub trait Medium {
         pcg: &mut Pcg,
         scratch: &mut Self::Scratch,
     ) -> Option<Vertex>;
+
+    /// Whether the last ray of a path by `tracked`, which only looks for the environment, is followed as a shadow ray.
+    #[inline(always)]
+    fn tracks_last_looks(&self) -> bool {
+        false
+    }
+
+    /// Whether camera rays have several candidates.
+    #[inline(always)]
+    fn weighs_candidates(&self) -> bool {
+        false
+    }
+
+    /// Adds points at which a camera ray may scatter to `points`, at most [`MOST_CANDIDATES`], in their order along it;
+    /// what share of the ray leaves the cloth. Shares are random, each with the right mean.
+    fn candidates(
+        &self,
+        _ray: &Ray,
+        _pcg: &mut Pcg,
+        _points: &mut Vec<Candidate>,
+        _scratch: &mut Self::Scratch,
+    ) -> f64 {
+        1.0
+    }
+
+    /// Room for candidates that is kept from ray to ray.
+    fn room(&self, _scratch: &mut Self::Scratch) -> Vec<Candidate> {
+        Vec::new()
+    }
+
+    /// Gives that room back.
+    fn keep_room(&self, _points: Vec<Candidate>, _scratch: &mut Self::Scratch) {}
+
+    /// About what share of the light from a direction of the sheet comes through a candidate's own loop.
+    #[inline(always)]
+    fn own_transmittance(&self, _point: &Candidate, _direction: DVec3) -> f64 {
+        1.0
+    }
 
     /// The ray that leaves a vertex towards a direction of the sheet. Its own direction is one of the world.
     fn leave(&self, vertex: &Vertex, direction: DVec3) -> Ray;

@@ -8,7 +8,8 @@
 mod host_backend;
 mod medium;
 mod path;
+mod resampling;
 
 pub use host_backend::{HostBackend, HostTracer};
-pub use medium::{Medium, PathInputs, Start};
+pub use medium::{Candidate, LoopPlace, MOST_CANDIDATES, Medium, PathInputs, Start};
 pub use path::PathTracer;

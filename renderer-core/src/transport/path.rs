@@ -10,7 +10,8 @@ use std::f64::consts::FRAC_1_PI;
 
 use glam::{DVec2, DVec3};
 
-use super::medium::{Medium, PathInputs, Start};
+use super::medium::{Candidate, Medium, PathInputs, Start};
+use super::resampling::{Resampling, openness, spread};
 use crate::design::Method;
 use crate::geometry::Ray;
 use crate::optics::limits::ROULETTE_FROM;
@@ -45,7 +46,32 @@ struct Gather {
     orders: u32,
 }
 
+/// The way that a path goes on.
+struct Onward {
+    /// From which of the points.
+    point: usize,
+    /// In the sheet.
+    direction: DVec3,
+    /// ψ/albedo over its density, times the point's share over the probability that it was chosen.
+    weight: f64,
+}
+
+/// Weight of a candidate to which no light seems to come, relative to one that nothing hides: no candidate counts for
+/// more than so many times the mean.
+const UNLIKELY: f64 = 0.04;
+
+/// The light of one light, from one of a ray's points.
+#[derive(Debug, Clone, Copy)]
+struct ChosenLight {
+    /// Which.
+    point: usize,
+    sample: LightSample,
+    /// The point's share over the probability that it was chosen.
+    weight: f64,
+}
+
 /// Light from one direction, of which a shadow ray is to find out whether it arrives.
+#[derive(Debug, Clone, Copy)]
 struct LightSample {
     /// To the light, in the sheet.
     direction: DVec3,
@@ -87,7 +113,6 @@ impl<'a, M: Medium> PathTracer<'a, M> {
     pub fn sample(mut self, pixel: [u32; 2]) -> Sample {
         let PathInputs {
             scene,
-            optics,
             camera,
             size,
             settings,
@@ -105,53 +130,72 @@ impl<'a, M: Medium> PathTracer<'a, M> {
         let mut first = None;
         let mut throughput = DVec3::ONE;
         let mut radiance = DVec3::ZERO;
+        let mut points = medium.room(self.scratch);
         // What arrives along the current ray if it meets no cloth.
         let mut beyond = Some(DVec3::from_array(lights.background));
         for bounce in 1..=settings.bounces + 1 {
             // Points found by compositing see their lights by compositing.
             let composited = bounce == 1 && settings.method != Method::Tracked;
-            let found = if composited {
-                medium.first_event(&ray, 1.0 - pick, choice, self.scratch)
+            points.clear();
+            let left = if bounce == 1 && medium.weighs_candidates() {
+                medium.candidates(&ray, &mut self.pcg, &mut points, self.scratch)
             } else {
-                medium.collision(&ray, start, &mut self.pcg, self.scratch)
+                let found = if composited {
+                    medium.first_event(&ray, 1.0 - pick, choice, self.scratch)
+                } else {
+                    medium.collision(&ray, start, &mut self.pcg, self.scratch)
+                };
+                points.extend(found.map(|vertex| Candidate {
+                    vertex,
+                    share: 1.0,
+                    place: None,
+                }));
+                if points.is_empty() { 1.0 } else { 0.0 }
             };
-            let Some(vertex) = found else {
-                radiance += throughput * beyond.unwrap_or_default();
+            if left > 0.0 {
+                radiance += throughput * beyond.unwrap_or_default() * left;
+            }
+            if points.is_empty() {
                 break;
-            };
+            }
             if bounce == 1 {
-                first = Some(FirstHit {
-                    depth_mm: vertex.t * scene.sheet.cloth_scale(),
-                    normal: vertex.world_from_sheet * vertex.normal,
-                    albedo: vertex.albedo,
-                });
+                first = Some(first_hit(&points, left, scene.sheet.cloth_scale()));
             }
             if bounce > settings.bounces {
                 // The last ray only looked for the environment.
                 break;
             }
-            let view = vertex.sheet_direction(-ray.direction);
             let is_cut_off = path_cutoff == Some(bounce);
+            // The last ray would only look for the environment.
+            let looks_last = bounce == settings.bounces && medium.tracks_last_looks();
             let gather = Gather {
                 bounce,
                 composited,
-                sees_sky: has_environment && (composited || is_cut_off || is_sampled),
+                sees_sky: has_environment && (composited || is_cut_off || is_sampled || looks_last),
                 orders: if is_cut_off {
                     settings.bounces - bounce
                 } else {
                     0
                 },
             };
-            radiance += throughput * vertex.albedo * self.light(&vertex, view, gather);
-            let follows_environment = has_environment && !composited && !is_sampled;
+            radiance += throughput * self.light(&points, -ray.direction, gather);
+            let follows_environment = has_environment && !gather.sees_sky;
             if is_cut_off || bounce == settings.bounces && !follows_environment {
                 break;
             }
 
-            let [u, v, survival, _] = self.random(Set::Onward { bounce });
-            let (direction, weight) = optics.sample(vertex.lobe, view, [u, v]);
+            let [u, v, survival, choice] = self.random(Set::Onward { bounce });
+            let Some(Onward {
+                point,
+                direction,
+                weight,
+            }) = self.onward(&points, -ray.direction, [u, v], choice)
+            else {
+                break;
+            };
+            let vertex = &points[point].vertex;
             throughput *= vertex.albedo * weight;
-            let onward = medium.leave(&vertex, direction);
+            let onward = medium.leave(vertex, direction);
             beyond = follows_environment.then(|| environment_radiance(lights, onward.direction));
             if !settings.shadows {
                 // Without shadows the environment's light needs no ray to find out whether it arrives.
@@ -169,24 +213,56 @@ impl<'a, M: Medium> PathTracer<'a, M> {
             }
             (ray, start) = (onward, Start::Cloth);
         }
+        medium.keep_room(points, self.scratch);
         Sample { radiance, first }
     }
 
-    /// Light scattered towards `view`, but for the albedo: of suns and area lights, and of the environment if it is to
-    /// be seen.
+    /// Where a path goes on: from one of its ray's points, by how much of what comes there goes towards `view` (world),
+    /// in a direction that its phase draws with two numbers.
     #[inline(always)]
-    fn light(&mut self, vertex: &Vertex, view: DVec3, gather: Gather) -> DVec3 {
+    fn onward(
+        &self,
+        points: &[Candidate],
+        view: DVec3,
+        numbers: [f64; 2],
+        choice: f64,
+    ) -> Option<Onward> {
+        let (point, counts) = if points.len() == 1 {
+            (0, 1.0)
+        } else {
+            let mut choice = Resampling::new(choice);
+            for (index, Candidate { vertex, share, .. }) in points.iter().enumerate() {
+                choice.add(index, share * vertex.albedo.element_sum());
+            }
+            choice.finish()?
+        };
+        let Candidate { vertex, share, .. } = &points[point];
+        let view = vertex.sheet_direction(view);
+        let (direction, weight) = self.inputs.optics.sample(vertex.lobe, view, numbers);
+        Some(Onward {
+            point,
+            direction,
+            weight: weight * counts * share,
+        })
+    }
+
+    /// Light scattered towards `view` (world): of suns and area lights, and of the environment if it is to be seen. Each
+    /// by one of the points that a ray has.
+    #[inline(always)]
+    fn light(&mut self, points: &[Candidate], view: DVec3, gather: Gather) -> DVec3 {
         let medium = self.medium;
         let orders = gather.orders;
-        let point = self.inputs.scene.lit_point(vertex.position);
         let mut sum = DVec3::ZERO;
         let cache = medium.shadow_cache(self.number).map(|cache| {
             let random = [(); 3].map(|()| f64::from(self.pcg.next_float()));
-            (cache, cache.key().grid.entry(vertex.position, random))
+            (cache, random)
         });
         // One place for all shadow rays, since on the processor everything they do is inlined.
         for number in 0..self.inputs.scene.lights.count() + usize::from(gather.sees_sky) {
-            let sample = self.light_sample(vertex, view, point, gather.bounce, number);
+            let Some(chosen) = self.chosen_light(points, view, gather, number) else {
+                continue;
+            };
+            let (vertex, sample) = (&points[chosen.point].vertex, chosen.sample);
             let is_dark = if M::SKIPS_DARK_LIGHTS {
                 sample.scattered == DVec3::ZERO
             } else {
@@ -195,18 +271,22 @@ impl<'a, M: Medium> PathTracer<'a, M> {
             if is_dark && orders == 0 {
                 continue;
             }
+            let albedo = vertex.albedo * chosen.weight;
             let up = (sample.direction.z * vertex.position.z.signum()).max(0.0);
             let by_scatterings = |visibility| {
                 sample.unhindered * multiple_scattering(visibility, up, vertex.albedo, orders)
             };
-            let cached = cache.map(|(cache, entry)| (cache, entry + sample.cache_entry));
+            let cached = cache.map(|(cache, random)| {
+                let entry = cache.key().grid.entry(vertex.position, random);
+                (cache, entry + sample.cache_entry)
+            });
             if let Some((cache, entry)) = cached
                 && let Some(known) = cache.visibility(entry, || self.pcg.next_float())
             {
                 self.scratch.as_mut().cached_rays += 1;
-                sum += sample.scattered * known.direct;
+                sum += albedo * sample.scattered * known.direct;
                 if orders > 0 {
-                    sum += by_scatterings(known.for_multiple_scattering());
+                    sum += albedo * by_scatterings(known.for_multiple_scattering());
                 }
                 continue;
             }
@@ -221,23 +301,93 @@ impl<'a, M: Medium> PathTracer<'a, M> {
             if let Some((cache, entry)) = cached {
                 cache.add(entry, Visibility::by(visibility));
             }
-            sum += sample.scattered * visibility;
+            sum += albedo * sample.scattered * visibility;
             if orders > 0 {
-                sum += by_scatterings(visibility);
+                sum += albedo * by_scatterings(visibility);
             }
         }
         sum
     }
 
-    /// Light from a random direction to light `number`: suns and area lights first, then the environment. `point` is
-    /// where the vertex lies in the world.
+    /// Light of light `number` from one of a ray's points, by how much of it is likely to come there and go towards
+    /// `view` (world).
+    #[inline(always)]
+    fn chosen_light(
+        &self,
+        points: &[Candidate],
+        view: DVec3,
+        gather: Gather,
+        number: usize,
+    ) -> Option<ChosenLight> {
+        let lights = &self.inputs.scene.lights;
+        let bounce = gather.bounce;
+        let light = Light::of(lights, number, bounce);
+        let set = light.map_or(Set::Environment { bounce }, |(_, set)| set);
+        let [u, v, side, number_of_choice] = self.random(set);
+        let source = match light {
+            // A sun is where it is for all points.
+            Some((sun @ Light::Sun(_), _)) => Source::Far(sun.towards(DVec3::ZERO, [u, v])),
+            Some((area, _)) => Source::Near(area, [u, v]),
+            None => Source::Sky([u, v], side),
+        };
+        if let [only] = points {
+            return Some(ChosenLight {
+                point: 0,
+                sample: self.light_sample(&only.vertex, view, source, number),
+                weight: only.share,
+            });
+        }
+        let mut choice = Resampling::new(number_of_choice);
+        for (point, candidate) in points.iter().enumerate() {
+            let source = source.for_candidate(point);
+            let sample = self.light_sample(&candidate.vertex, view, source, number);
+            let likely = self.likely_light(candidate, &sample, &source, gather.orders);
+            let chosen = ChosenLight {
+                point,
+                sample,
+                weight: candidate.share,
+            };
+            choice.add(chosen, candidate.share * likely);
+        }
+        let (chosen, counts) = choice.finish()?;
+        Some(ChosenLight {
+            weight: chosen.weight * counts,
+            ..chosen
+        })
+    }
+
+    /// About how much light a candidate scatters, but for what other loops are in its way.
+    #[inline(always)]
+    fn likely_light(
+        &self,
+        candidate: &Candidate,
+        sample: &LightSample,
+        source: &Source<'_>,
+        orders: u32,
+    ) -> f64 {
+        let vertex = &candidate.vertex;
+        let mut light = sample.scattered;
+        if orders > 0 {
+            light += sample.unhindered;
+        }
+        let light = (light * vertex.albedo).element_sum();
+        if light <= 0.0 {
+            return 0.0;
+        }
+        let mut arrives = self.medium.own_transmittance(candidate, sample.direction);
+        if let Source::Sky(..) = source {
+            arrives *= openness(sample.direction.z * vertex.position.z.signum());
+        }
+        light * (arrives + UNLIKELY)
+    }
+
+    /// Light from a random direction to a light, number `number` of all, that is scattered towards `view` (world).
     #[inline(always)]
     fn light_sample(
         &self,
         vertex: &Vertex,
         view: DVec3,
-        point: DVec3,
-        bounce: u32,
+        source: Source<'_>,
         number: usize,
     ) -> LightSample {
         let PathInputs {
@@ -247,9 +397,16 @@ impl<'a, M: Medium> PathTracer<'a, M> {
             ..
         } = self.inputs;
         let lights = &scene.lights;
-        if let Some((light, set)) = Light::of(lights, number, bounce) {
-            let [u, v, ..] = self.random(set);
-            let (world, irradiance) = light.towards(point, [u, v]);
+        let view = vertex.sheet_direction(view);
+        let (found, [u, v], side) = match source {
+            Source::Far(found) => (Some(found), [0.0; 2], 0.0),
+            Source::Near(light, numbers) => {
+                let point = scene.lit_point(vertex.position);
+                (Some(light.towards(point, numbers)), numbers, 0.0)
+            }
+            Source::Sky(numbers, side) => (None, numbers, side),
+        };
+        if let Some((world, irradiance)) = found {
             let direction = vertex.sheet_direction(world);
             let phase = optics.value(vertex.lobe, view, direction);
             return LightSample {
@@ -260,7 +417,6 @@ impl<'a, M: Medium> PathTracer<'a, M> {
                 cache_entry: number,
             };
         }
-        let [u, v, side, _] = self.random(Set::Environment { bounce });
         let exposure = Exposure {
             up: 1.0_f64.copysign(vertex.position.z),
             down: looks_down,
@@ -276,4 +432,44 @@ impl<'a, M: Medium> PathTracer<'a, M> {
             cache_entry: number + usize::from(drawn.by_light),
         }
     }
+}
+
+/// Where the light of one light comes from, for the points of one ray.
+#[derive(Debug, Clone, Copy)]
+enum Source<'a> {
+    /// From the same direction (world) for all, with the same irradiance.
+    Far((DVec3, DVec3)),
+    /// From a place on it that two numbers draw.
+    Near(Light<'a>, [f64; 2]),
+    /// From the environment, in a direction that three numbers draw.
+    Sky([f64; 2], f64),
+}
+
+impl Source<'_> {
+    /// The source for candidate `index`: each looks into another part of the sky.
+    #[inline(always)]
+    fn for_candidate(self, index: usize) -> Self {
+        match self {
+            Self::Sky(numbers, side) if index > 0 => Self::Sky(spread(numbers, index), side),
+            _ => self,
+        }
+    }
+}
+
+/// What a camera ray met first: the mean over its points. The share `left` of it met nothing.
+fn first_hit(points: &[Candidate], left: f64, cloth_scale: f64) -> FirstHit {
+    let mut first = FirstHit {
+        share: 1.0 - left,
+        depth_mm: 0.0,
+        normal: DVec3::ZERO,
+        albedo: DVec3::ZERO,
+    };
+    let shares: f64 = points.iter().map(|point| point.share).sum();
+    for Candidate { vertex, share, .. } in points {
+        let weight = share / shares;
+        first.depth_mm += weight * vertex.t * cloth_scale;
+        first.normal += weight * (vertex.world_from_sheet * vertex.normal);
+        first.albedo += weight * vertex.albedo;
+    }
+    first
 }

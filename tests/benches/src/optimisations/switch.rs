@@ -22,6 +22,7 @@ pub fn switch_of(optimisation: Optimisation, backend: BackendKind, method: Metho
     let is_plain = matches!(method, Method::Exact | Method::SixFace);
     let is_fast_processor = backend == BackendKind::Cpu && !is_plain;
     let is_gpu = backend == BackendKind::Gpu && method != Method::SixFace;
+    let is_tracked = method == Method::Tracked;
     match optimisation {
         Optimisation::BackgroundTiles => Switch::Drawing,
         Optimisation::ConvergedTiles => Switch::Target,
@@ -30,6 +31,8 @@ pub fn switch_of(optimisation: Optimisation, backend: BackendKind, method: Metho
         }
         Optimisation::OpaqueRays if is_fast_processor || is_gpu => Switch::Drawing,
         Optimisation::HiddenGround | Optimisation::UnusedShading if is_gpu => Switch::Drawing,
+        Optimisation::WeighedEvents if is_fast_processor && is_tracked => Switch::Drawing,
+        Optimisation::LastLooks if (is_fast_processor || is_gpu) && is_tracked => Switch::Drawing,
         Optimisation::UnchangedSections => Switch::Compiling,
         _ => Switch::None,
     }

@@ -53,3 +53,5 @@ override OPAQUE_RAYS: bool = true;
 override HIDDEN_GROUND: bool = true;
 // How much of the environment's light arrives at a path's last point is tracked as along a shadow ray.
 override LAST_LOOKS: bool = true;
+// Later scatterings than a path's first look for some of the lights only.
+override LATER_LIGHTS: bool = true;

@@ -133,7 +133,16 @@ fn lit(
     for (var i = 0u; i < lights; i++) {
         let is_source = i < sources;
         let lamp_set = select(SET_FIRST_AREA + i - SUN_COUNT, i, i < SUN_COUNT);
-        let u = sample_set(seed, sample, set_at(bounce, select(SET_ENVIRONMENT, lamp_set, is_source))).xyz;
+        let u = sample_set(seed, sample, set_at(bounce, select(SET_ENVIRONMENT, lamp_set, is_source)));
+        var counts = 1.0;
+        if LATER_LIGHTS && LONG_PATHS {
+            if bounce > 1u && !is_cut_off {
+                if u.w >= LATER_LIGHTS_SHARE {
+                    continue;
+                }
+                counts = 1.0 / LATER_LIGHTS_SHARE;
+            }
+        }
         var towards_light: vec3<f32>;
         // By the light itself, and by multiple scattering, from all sides.
         var share: vec3<f32>;
@@ -146,7 +155,7 @@ fn lit(
             share = scattered(at, towards_eye, towards_light) * light.irradiance;
             diffuse_share = at.albedo * light.irradiance * (0.25 / PI);
         } else {
-            let drawn = draw_sky(at, rotation, towards_eye, u);
+            let drawn = draw_sky(at, rotation, towards_eye, u.xyz);
             towards_light = drawn.direction;
             share = drawn.weight * environment_radiance(world_from_sheet(rotation, drawn.direction));
             diffuse_share = share;
@@ -154,7 +163,7 @@ fn lit(
         if is_cut_off || max(max(share.x, share.y), share.z) > 0.0 {
             let direction = world_from_sheet(rotation, towards_light);
             let visible = shadow(at, direction, bounce, cached, known, random);
-            sum += share * visible.x;
+            sum += counts * share * visible.x;
             if is_cut_off {
                 sum += diffuse_share * multiple_scattering(at, towards_light, visible.y);
             }

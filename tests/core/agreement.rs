@@ -30,7 +30,8 @@ pub fn noisy(mut request: RenderRequest) -> RenderRequest {
     let optimisations = request.settings.optimisations;
     request.settings.optimisations = optimisations
         .without(Optimisation::WeighedEvents)
-        .without(Optimisation::LastLooks);
+        .without(Optimisation::LastLooks)
+        .without(Optimisation::LaterLights);
     request
 }
 

@@ -2,7 +2,7 @@
 //! block by block.
 
 use renderer_core::cpu::CpuBackend;
-use renderer_core::design::{Design, Phase, PileKind};
+use renderer_core::design::{Colour, Design, Phase, PileKind};
 use renderer_core::image::Picture;
 use renderer_core::render::{Backend, Optimisation, RenderRequest};
 
@@ -13,6 +13,14 @@ use crate::support::scenes::{load_design, preset_path, request, small_towel};
 
 /// What takes noise away.
 const QUIETING: [Optimisation; 2] = [Optimisation::WeighedEvents, Optimisation::LastLooks];
+
+/// `request` with all noise, but for what is saved at later scatterings.
+fn with_later_lights_saved(request: &RenderRequest) -> RenderRequest {
+    let mut saving = request.clone();
+    saving.settings.optimisations =
+        (QUIETING.into_iter()).fold(saving.settings.optimisations, |left, one| left.without(one));
+    saving
+}
 
 /// Designs in which it meets something else each: one scattering but for the last.
 fn designs() -> Vec<(&'static str, Design)> {
@@ -90,6 +98,34 @@ fn on_the_gpu_means_stay() {
         let design = tracked(small_towel(), bounces);
         let request = request(&design, SIZE);
         assert_same_means(&mut gpu, &format!("{bounces} bounces"), &request);
+    }
+}
+
+#[test]
+fn rays_saved_at_later_scatterings_leave_means() {
+    let white = |mut design: Design| {
+        design.chart.colour = Colour::WHITE;
+        design
+    };
+    for (what, design) in [
+        ("sun and sky", white(small_towel())),
+        ("area lights", load_design(&preset_path("studio-softbox"))),
+        (
+            "picture of a sky",
+            load_design(&preset_path("evening-hall")),
+        ),
+    ] {
+        let request = request(&tracked(design, 6), SIZE);
+        let mut cpu = CpuBackend::default();
+        let all = repeats(&mut cpu, &noisy(request.clone()), 5_000);
+        let mut saving = with_later_lights_saved(&request);
+        saving.settings.counters = true;
+        let pictures = repeats(&mut cpu, &saving, 6_000);
+        let saved = cpu.counters().unwrap().shadow_rays;
+        same_means(&all, &pictures).unwrap_or_else(|error| panic!("{what}: {error}"));
+        repeats(&mut cpu, &noisy(saving), 7_000);
+        let traced = cpu.counters().unwrap().shadow_rays;
+        assert!(4 * saved < 3 * traced, "{what}: {saved} of {traced} rays");
     }
 }
 

@@ -105,6 +105,7 @@ fn key_of(values: &[usize; 25]) -> PipelineKey {
         opaque_rays: on(22),
         hidden_ground: on(23),
         last_looks: on(24),
+        later_lights: on(25),
     }
 }
 

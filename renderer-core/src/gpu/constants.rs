@@ -197,6 +197,8 @@ constants! {
     MOST_OVERLAP: f32 = limits::MOST_OVERLAP as f32;
     /// Scattering from which on a path may end by Russian roulette.
     ROULETTE_FROM: u32 = limits::ROULETTE_FROM;
+    /// Share of the lights that are looked for at later scatterings than a path's first.
+    LATER_LIGHTS_SHARE: f32 = limits::LATER_LIGHTS_SHARE as f32;
     /// Steps over a strip of the ground yarns of SKELETON_PAPER.
     PAPER_STEPS: u32 = tolerances::PAPER_STEPS;
     /// Smallest step towards a tube of SKELETON_WINDING, in its radii.

@@ -60,6 +60,8 @@ pub struct PipelineKey {
     pub hidden_ground: bool,
     /// The last ray of a path by `tracked` is a shadow ray to the environment.
     pub last_looks: bool,
+    /// Later scatterings than a path's first look for some of the lights only.
+    pub later_lights: bool,
 }
 
 impl PipelineKey {
@@ -107,6 +109,7 @@ impl PipelineKey {
             hidden_ground: settings.optimisations.has(Optimisation::HiddenGround),
             last_looks: settings.method == Method::Tracked
                 && settings.optimisations.has(Optimisation::LastLooks),
+            later_lights: settings.optimisations.has(Optimisation::LaterLights),
         }
     }
 
@@ -159,6 +162,7 @@ impl PipelineKey {
             flag("OPAQUE_RAYS", self.opaque_rays),
             flag("HIDDEN_GROUND", self.hidden_ground),
             flag("LAST_LOOKS", self.last_looks),
+            flag("LATER_LIGHTS", self.later_lights),
         ]
     }
 }

@@ -8,3 +8,8 @@ pub const MOST_OVERLAP: f64 = 1.5;
 
 /// The scattering from which on a path may end by Russian roulette: earlier ones carry most of the picture.
 pub const ROULETTE_FROM: u32 = 3;
+
+/// The share of the lights that are looked for at later scatterings than a path's first. Measured, squared error times
+/// time: white pile whose paths scatter ten times and more 0.83 of what it is with all of them, a folded stack 0.92;
+/// half and a quarter are worse.
+pub const LATER_LIGHTS_SHARE: f64 = 0.375;

@@ -35,11 +35,14 @@ pub enum Optimisation {
     /// The end of a path of `tracked` whose last ray only looks for the environment: how much of that arrives is tracked
     /// as along a shadow ray. Unbiased.
     LastLooks,
+    /// Some of the lights at later scatterings than a path's first: those that are looked for count for the others, too.
+    /// Unbiased.
+    LaterLights,
 }
 
 impl Optimisation {
     /// All of them.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::EmptyCells,
         Self::RepeatedTests,
         Self::BackgroundTiles,
@@ -50,6 +53,7 @@ impl Optimisation {
         Self::UnchangedSections,
         Self::WeighedEvents,
         Self::LastLooks,
+        Self::LaterLights,
     ];
 
     /// Its name on the command line.
@@ -65,6 +69,7 @@ impl Optimisation {
             Self::UnchangedSections => "unchanged-sections",
             Self::WeighedEvents => "weighed-events",
             Self::LastLooks => "last-looks",
+            Self::LaterLights => "later-lights",
         }
     }
 

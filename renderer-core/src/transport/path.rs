@@ -14,10 +14,11 @@ use super::medium::{Candidate, Medium, PathInputs, Start};
 use super::resampling::{Resampling, openness, spread};
 use crate::design::Method;
 use crate::geometry::Ray;
-use crate::optics::limits::ROULETTE_FROM;
+use crate::optics::limits::{LATER_LIGHTS_SHARE, ROULETTE_FROM};
 use crate::optics::{
     Exposure, Light, Vertex, Visibility, environment_radiance, multiple_scattering,
 };
+use crate::render::Optimisation;
 use crate::render::accumulation::{FirstHit, Sample};
 use crate::sampling::{self, Pcg, Set};
 
@@ -324,6 +325,19 @@ impl<'a, M: Medium> PathTracer<'a, M> {
         let light = Light::of(lights, number, bounce);
         let set = light.map_or(Set::Environment { bounce }, |(_, set)| set);
         let [u, v, side, number_of_choice] = self.random(set);
+        let PathInputs { settings, .. } = self.inputs;
+        // Only a path's first scattering chooses among points.
+        let is_later = bounce > 1
+            && gather.orders == 0
+            && settings.optimisations.has(Optimisation::LaterLights);
+        if is_later && number_of_choice >= LATER_LIGHTS_SHARE {
+            return None;
+        }
+        let counts = if is_later {
+            1.0 / LATER_LIGHTS_SHARE
+        } else {
+            1.0
+        };
         let source = match light {
             // A sun is where it is for all points.
             Some((sun @ Light::Sun(_), _)) => Source::Far(sun.towards(DVec3::ZERO, [u, v])),
@@ -334,7 +348,7 @@ impl<'a, M: Medium> PathTracer<'a, M> {
             return Some(ChosenLight {
                 point: 0,
                 sample: self.light_sample(&only.vertex, view, source, number),
-                weight: only.share,
+                weight: only.share * counts,
             });
         }
         let mut choice = Resampling::new(number_of_choice);

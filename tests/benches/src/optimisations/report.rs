@@ -41,7 +41,10 @@ pub fn counter_of(optimisation: Optimisation, side: &Side) -> Option<(&'static s
         Optimisation::OpaqueRays => Some(("shadow rays", ended_rays)),
         Optimisation::HiddenGround => Some(("rays", hidden_rays)),
         Optimisation::UnchangedSections => Some(("sections", side.sections_kept)),
-        Optimisation::UnusedShading | Optimisation::WeighedEvents | Optimisation::LastLooks => None,
+        Optimisation::UnusedShading
+        | Optimisation::WeighedEvents
+        | Optimisation::LastLooks
+        | Optimisation::LaterLights => None,
     }
 }
 

@@ -33,6 +33,7 @@ pub fn switch_of(optimisation: Optimisation, backend: BackendKind, method: Metho
         Optimisation::HiddenGround | Optimisation::UnusedShading if is_gpu => Switch::Drawing,
         Optimisation::WeighedEvents if is_fast_processor && is_tracked => Switch::Drawing,
         Optimisation::LastLooks if (is_fast_processor || is_gpu) && is_tracked => Switch::Drawing,
+        Optimisation::LaterLights => Switch::Drawing,
         Optimisation::UnchangedSections => Switch::Compiling,
         _ => Switch::None,
     }

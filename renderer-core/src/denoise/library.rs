@@ -1,4 +1,4 @@
-//! The C interface of Open Image Denoise 2.x, loaded at run time: the one file of the workspace with `unsafe` code.
+//! The C interface of Open Image Denoise 2.x, loaded at run time: all of its `unsafe` code is here.
 //!
 //! What is declared here follows the library's documentation (section "API"): opaque handles that are made and
 //! released, parameters by name, and errors that are kept for each device until they are asked for. All functions may

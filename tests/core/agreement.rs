@@ -36,7 +36,7 @@ pub fn noisy(mut request: RenderRequest) -> RenderRequest {
 }
 
 fn on_reference<'a>(case: impl Into<Case<'a>>, size: [u32; 2]) -> Vec<Picture> {
-    repeats(&mut reference(), &request(case, size), 47_000)
+    repeats(&mut reference(), &noisy(request(case, size)), 47_000)
 }
 
 /// A design by `tracked`, as many samples as one of the pictures that are compared.

@@ -1,5 +1,6 @@
-//! Work that renderers leave out because it cannot be seen. Every optimisation has a name, a counter in
-//! [`super::Counters`], and a switch, so that its gain can be measured and its picture compared.
+//! Work that renderers leave out because it cannot be seen, and noise that they take away. Every optimisation has a name
+//! and a switch, so that its gain can be measured and its picture compared; what leaves out work that can be counted has
+//! a counter in [`super::Counters`].
 
 use std::fmt;
 use std::str::FromStr;

@@ -138,7 +138,11 @@ impl<'a, M: Medium> PathTracer<'a, M> {
             // Points found by compositing see their lights by compositing.
             let composited = bounce == 1 && settings.method != Method::Tracked;
             points.clear();
-            let left = if bounce == 1 && medium.weighs_candidates() {
+            // A cache learns from points that are chosen for nothing but their share.
+            let weighs = bounce == 1
+                && medium.weighs_candidates()
+                && medium.shadow_cache(self.number).is_none();
+            let left = if weighs {
                 medium.candidates(&ray, &mut self.pcg, &mut points, self.scratch)
             } else {
                 let found = if composited {

@@ -254,11 +254,7 @@ pub fn open_everything(harness: &mut Harness<'static, App>) {
     open_seldom_needed(harness);
     harness.event(egui::Event::PointerGone);
     // Thumbnails come from other threads.
-    for _ in 0..20 {
-        std::thread::sleep(Duration::from_millis(20));
-        harness.step();
-    }
-    harness.run_steps(20);
+    rest(harness);
 }
 
 /// Chooses what decides on the length of loops.

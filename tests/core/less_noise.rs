@@ -4,7 +4,7 @@
 use renderer_core::cpu::CpuBackend;
 use renderer_core::design::{Colour, Design, Phase, PileKind};
 use renderer_core::image::Picture;
-use renderer_core::render::{Backend, Optimisation, RenderRequest};
+use renderer_core::render::{Backend, Optimisation, Optimisations, RenderRequest};
 
 use crate::agreement::{SIZE, backlit_towel, noisy, thin_towel, tracked};
 use crate::support::compare::same_means;
@@ -18,7 +18,7 @@ const QUIETING: [Optimisation; 2] = [Optimisation::WeighedEvents, Optimisation::
 fn with_later_lights_saved(request: &RenderRequest) -> RenderRequest {
     let mut saving = request.clone();
     saving.settings.optimisations =
-        (QUIETING.into_iter()).fold(saving.settings.optimisations, |left, one| left.without(one));
+        (QUIETING.into_iter()).fold(saving.settings.optimisations, Optimisations::without);
     saving
 }
 

@@ -4,7 +4,7 @@
 
 use std::ops::ControlFlow;
 
-use glam::{DMat3, DVec3, Vec3A};
+use glam::Vec3A;
 
 use super::event::{Overlap, PileEvent};
 use super::lanes::{LANES, Lanes};
@@ -145,18 +145,7 @@ impl Tracer {
             Phase::FrameLambert => Lobe::Frame { normal, material },
             _ => Lobe::Isotropic,
         };
-        let vertex = Vertex {
-            position: ray.at(t),
-            t,
-            normal: if normal.dot(ray.direction) > 0.0 {
-                -normal
-            } else {
-                normal
-            },
-            albedo: DVec3::from_array(look.albedo()) * f64::from(shade),
-            lobe,
-            world_from_sheet: DMat3::IDENTITY,
-        };
+        let vertex = self.pile_vertex(ray, index, t, normal, shade, lobe);
         (vertex, place)
     }
 

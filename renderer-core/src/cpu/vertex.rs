@@ -61,6 +61,22 @@ impl Tracer {
                 Lobe::gradient(gradient, f64::from(cloth.thickness), material)
             }
         };
+        self.pile_vertex(ray, index, t, normal, shade, lobe)
+    }
+
+    /// A point of a loop at distance `t` of `ray`, with the unit normal of the loop's patch, that scatters as `lobe` and the
+    /// share `shade` of its albedo.
+    #[inline(always)]
+    pub(super) fn pile_vertex(
+        &self,
+        ray: &Ray,
+        index: u32,
+        t: f64,
+        normal: DVec3,
+        shade: f32,
+        lobe: Lobe,
+    ) -> Vertex {
+        let look = self.cloth.scene.looks[index as usize];
         Vertex {
             position: ray.at(t),
             t,

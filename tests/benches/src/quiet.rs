@@ -178,7 +178,7 @@ fn emitted(image: &ColorImage, size: [u32; 2]) -> Picture {
     }
 }
 
-/// The same of a picture in linear light.
+/// The light that a screen emits of a picture in linear light: with the steps of its 8 bits.
 fn emitted_of(picture: &Picture, display: Display) -> Picture {
     let bytes = |channel: f64| srgb_to_linear((channel * 255.0).round() / 255.0) as f32;
     let pixel = |&[r, g, b, _]: &[f32; 4]| {

@@ -45,7 +45,7 @@ class Field:
         if warps != task.warps:
             # The same picture of smaller or larger loops.
             sets |= {"sheet.warps": warps, "sheet.wefts": wefts}
-            sets |= {"view.cameras[0].distance": DISTANCE * scale}
+            sets |= {"view.cameras[0].distance": task.distance * scale}
             sets |= {"view.cameras[0].target": f"[{x * scale}, {y * scale}, {z}]"}
         self.length = None if length is None else f"length.value={length}"
         self.sets = [f"--set={path}={value}" for path, value in sets.items()]

@@ -252,7 +252,7 @@ fn order(size: [u32; 2], samples: u32, format: Format) -> PictureOrder {
         },
         time: None,
         format,
-        display: Display::from(&design.view),
+        display: Display::from(&design),
         transparent: None,
         about: About::default(),
         chunks: Vec::new(),

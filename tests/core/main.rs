@@ -39,6 +39,7 @@ mod lod_regions;
 mod long_paths;
 mod many_faults;
 mod materials;
+mod metering;
 mod metrics;
 mod nap;
 mod portability;

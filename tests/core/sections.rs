@@ -1,8 +1,8 @@
 //! Which sections of a scene an edit changes, and that nothing non-finite leaves compile.
 
 use renderer_core::design::{
-    AreaLight, ChartImage, Colour, Design, Fit, LengthEntry, LengthMap, Numbers, Pattern, Phase,
-    PileKind, preset,
+    AreaLight, ChartImage, Colour, Design, Fit, LengthEntry, LengthMap, Metering, Numbers, Pattern,
+    Phase, PileKind, preset,
 };
 use renderer_core::sampling::Pcg;
 use renderer_core::scene::{CompileError, Compiler, SECTIONS, Scene, compile};
@@ -14,6 +14,8 @@ fn small() -> Design {
     (design.pile.variants, design.pile.fibres) = (2, 10);
     (design.sheet.warps, design.sheet.wefts) = (12, 10);
     design.light.area = vec![AreaLight::default()];
+    // A meter makes the background depend on all lights and on bounces.
+    design.view.metering = Metering::None;
     design
 }
 
@@ -179,6 +181,15 @@ fn bounces_decide_how_bright_fibres_must_be_for_a_colour() {
     assert_eq!(
         changed_by(&base, |design| design.quality.bounces = 1),
         ["looks"]
+    );
+    base.view.metering = Metering::Incident;
+    assert_eq!(
+        changed_by(&base, |design| design.quality.bounces = 1),
+        ["looks", "lights"]
+    );
+    assert_eq!(
+        changed_by(&base, |design| design.view.metering = Metering::None),
+        ["lights"]
     );
 }
 

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use renderer_core::design::{
-    Back, ChartImage, Design, EnvironmentImage, EnvironmentReader, HeightImage, Method, Pattern,
-    preset,
+    Back, ChartImage, Design, EnvironmentImage, EnvironmentReader, HeightImage, Metering, Method,
+    Pattern, Sun, preset,
 };
 use renderer_core::geometry::Camera;
 use renderer_core::render::{RenderRequest, Settings};
@@ -23,6 +23,9 @@ pub fn small_towel() -> Design {
     (pile.top_width, pile.tilt, pile.twist) = (1.6, 90.0, 120.0);
     let camera = &mut design.view.cameras[0];
     (camera.distance, camera.elevation) = (26.0, 40.0);
+    // A small, strong sun, and light as it is: shadows show, and numbers are those of the lights.
+    design.light.sun = vec![Sun::default()];
+    design.view.metering = Metering::None;
     design.quality.method = Method::Single;
     (design.quality.bounces, design.quality.samples) = (1, 1);
     design

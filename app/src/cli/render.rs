@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use renderer_core::denoise::Denoise;
-use renderer_core::design::{Design, Method, Quality, Warning};
+use renderer_core::design::{CameraDesign, Design, Method, Quality, Warning};
 use renderer_core::geometry::Camera;
 use renderer_core::image::{Background, Depth, Display, ExrLayer};
 use renderer_core::render::{Backend, Optimisation, Optimisations, Settings};
@@ -194,12 +194,15 @@ impl<'a> Asked<'a> {
     /// Reads the preset, and makes sure that the outputs can be written.
     fn check(arguments: &'a RenderArguments) -> anyhow::Result<Self> {
         let format = format(arguments)?;
-        let opened = read_design(
+        let mut opened = read_design(
             &arguments.preset,
             &arguments.set,
             arguments.allow_outside_images,
         )?;
-        let camera = camera(&opened.design, arguments)?;
+        let shown = camera(&opened.design, arguments)?.clone();
+        let camera = Camera::from_design(&shown);
+        // A picture that is opened shows what it showed.
+        opened.design.view.current = Some(shown);
         let outputs = arguments.outputs();
         files::check_apart(&opened.read, &outputs)?;
         for output in &outputs {
@@ -248,7 +251,7 @@ impl<'a> Asked<'a> {
         let arguments = self.arguments;
         let design = &self.opened.design;
         let [width, height] = arguments.size;
-        let background = Background(design.light.background.linear());
+        let background = Background(design.background_radiance());
         Ok(PictureOrder {
             view: cloth.view(design, &self.camera, arguments.size),
             size: arguments.size,
@@ -261,7 +264,7 @@ impl<'a> Asked<'a> {
                 Format::Png(_) | Format::Exr(_) => Vec::new(),
             },
             format: self.format.clone(),
-            display: Display::from(&design.view),
+            display: Display::from(design),
             transparent: arguments.transparent.then_some(background),
             band_bytes: arguments.memory << 20,
         })
@@ -343,13 +346,16 @@ fn format(arguments: &RenderArguments) -> Result<Format, BadArgument> {
 }
 
 /// The camera asked for.
-fn camera(design: &Design, arguments: &RenderArguments) -> Result<Camera, BadArgument> {
+fn camera<'d>(
+    design: &'d Design,
+    arguments: &RenderArguments,
+) -> Result<&'d CameraDesign, BadArgument> {
     let cameras = &design.view.cameras;
     let found = match &arguments.camera {
-        None => cameras.first(),
+        None => design.view.opening(),
         Some(name) => cameras.iter().find(|camera| camera.name == *name),
     };
-    found.map(Camera::from_design).ok_or_else(|| {
+    found.ok_or_else(|| {
         let names: Vec<String> = cameras.iter().map(|c| format!("{:?}", c.name)).collect();
         BadArgument(format!(
             "{}: there is no camera {:?}, allowed are {}",

@@ -15,6 +15,7 @@ pub struct EnvironmentImage {
     /// Linear red, green and blue, row by row.
     pixels: Arc<[[f32; 3]]>,
     light: PiecewiseConstant2D,
+    level_radiance: [f64; 3],
     file_width: usize,
     mended: usize,
 }
@@ -102,6 +103,11 @@ impl EnvironmentImage {
     /// Where its light comes from.
     pub fn light(&self) -> &PiecewiseConstant2D {
         &self.light
+    }
+
+    /// The radiance of light from everywhere that lights a level plane from above as this picture does, linear RGB.
+    pub fn level_radiance(&self) -> [f64; 3] {
+        self.level_radiance
     }
 
     /// This picture as one that renderers look at by the phase alone however uneven its light: what looking by its
@@ -213,9 +219,29 @@ impl EnvironmentReader {
             width,
             height,
             light: PiecewiseConstant2D::new(width, height, &pixels),
+            level_radiance: level_radiance(width, height, &pixels),
             pixels,
             file_width: self.width,
             mended: self.mended,
         })
     }
+}
+
+/// Mean of the upper half's pixels, each by the cosine of its height times its solid angle: in a row between the angles a
+/// and b from the zenith, sin²b − sin²a of the whole.
+fn level_radiance(width: usize, height: usize, pixels: &[[f32; 3]]) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    let border = |row: usize| {
+        let angle = std::f64::consts::PI * row as f64 / height as f64;
+        angle.min(std::f64::consts::FRAC_PI_2).sin().powi(2)
+    };
+    for (row, pixels) in pixels.chunks(width).take(height.div_ceil(2)).enumerate() {
+        let weight = (border(row + 1) - border(row)) / width as f64;
+        for pixel in pixels {
+            for (sum, value) in sum.iter_mut().zip(pixel) {
+                *sum += f64::from(*value) * weight;
+            }
+        }
+    }
+    sum
 }

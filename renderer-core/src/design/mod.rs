@@ -12,6 +12,7 @@ mod fields;
 mod form;
 mod height_image;
 mod image_slot;
+mod metering;
 pub mod nap_edit;
 mod pattern;
 pub mod preset;

@@ -892,7 +892,7 @@ section! {
         numbers {}
         others {
             /// Suns; none leaves the environment alone.
-            sun: Vec<Sun> = vec![Sun::default()];
+            sun: Vec<Sun> = vec![broad_sun()];
             /// Softboxes and windows.
             #[serde(skip_serializing_if = "Vec::is_empty")]
             area: Vec<AreaLight> = Vec::new();
@@ -901,6 +901,17 @@ section! {
             /// Colour seen where there is no cloth; it gives no light.
             background: Colour = Colour([247, 246, 240]);
         }
+    }
+}
+
+/// The sun of a plain towel: broad and soft beside the light from all around, as by a large window.
+fn broad_sun() -> Sun {
+    Sun {
+        azimuth: 120.0,
+        elevation: 48.0,
+        irradiance: 0.9,
+        angular_diameter: 25.0,
+        ..Sun::default()
     }
 }
 
@@ -954,6 +965,16 @@ choice! {
     }
 }
 
+choice! {
+    /// What exposure counts from.
+    Metering {
+        /// A light meter lies level in the cloth's middle: white cloth shows as white under any light.
+        Incident = "white cloth shows white" written "incident",
+        /// No meter: radiance 1 shows as white.
+        None = "the light as it is" written "none",
+    }
+}
+
 section! {
     /// A saved view of the cloth.
     CameraDesign, CameraFields {
@@ -984,19 +1005,32 @@ section! {
     /// Cameras and display.
     View, ViewFields {
         numbers {
-            /// Brightness of the displayed picture, in stops; does not change the light.
+            /// Brightness of the displayed picture beside what `view.metering` says, in stops; does not change the
+            /// light.
             exposure: f64 = 0.0, -16.0..=16.0, "EV";
         }
         others {
+            /// What exposure counts from: a light meter, or the light as it is. A file that gives `view.exposure` alone
+            /// is taken to say "none": there was no meter once.
+            metering: Metering = Metering::Incident;
             /// How linear light becomes a displayed colour.
             tone_map: ToneMap = ToneMap::None;
-            /// Saved views; the first is the one a file opens with.
+            /// The view that the design was saved in, which a file opens with and pictures show unless told otherwise;
+            /// left out, that is the first of the saved views.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            current: Option<CameraDesign> = None;
+            /// Saved views.
             cameras: Vec<CameraDesign> = vec![CameraDesign::default()];
         }
     }
 }
 
 impl View {
+    /// The view that a file opens with.
+    pub fn opening(&self) -> Option<&CameraDesign> {
+        self.current.as_ref().or(self.cameras.first())
+    }
+
     pub(super) fn push_faults(&self, faults: &mut Vec<Fault>) {
         self.push_range_faults("view", faults);
         let mut fault = |path: String, value: String, allowed: &str| {
@@ -1009,30 +1043,11 @@ impl View {
         if self.cameras.is_empty() {
             fault("view.cameras".into(), "empty".into(), "at least one camera");
         }
+        for (path, camera) in self.with_paths() {
+            camera.push_place_faults(&path, &mut fault);
+        }
         for (index, camera) in self.cameras.iter().enumerate() {
             let path = format!("view.cameras[{index}]");
-            if let Some(height) = camera
-                .orthographic_height
-                .filter(|height| !(1e-3..=1e6).contains(height))
-            {
-                fault(
-                    format!("{path}.orthographic_height"),
-                    height.to_string(),
-                    "0.001 to 1000000 mm",
-                );
-            }
-            for (axis, value) in camera
-                .target
-                .iter()
-                .enumerate()
-                .filter(|(_, value)| !(-1e6..=1e6).contains(*value))
-            {
-                fault(
-                    format!("{path}.target[{axis}]"),
-                    value.to_string(),
-                    "-1000000 to 1000000 mm",
-                );
-            }
             if self.cameras[..index]
                 .iter()
                 .any(|other| other.name == camera.name)
@@ -1044,8 +1059,37 @@ impl View {
                 );
             }
         }
-        for (index, camera) in self.cameras.iter().enumerate() {
-            camera.push_range_faults(&format!("view.cameras[{index}]"), faults);
+        for (path, camera) in self.with_paths() {
+            camera.push_range_faults(&path, faults);
+        }
+    }
+
+    /// All views, each with the path of its fields.
+    fn with_paths(&self) -> impl Iterator<Item = (String, &CameraDesign)> {
+        let current = self.current.iter().map(|it| ("view.current".into(), it));
+        let saved = self.cameras.iter().enumerate();
+        current.chain(saved.map(|(index, camera)| (format!("view.cameras[{index}]"), camera)))
+    }
+}
+
+impl CameraDesign {
+    /// Faults of what is no part of its own table of numbers: path, value and what is allowed of each.
+    fn push_place_faults(&self, path: &str, fault: &mut impl FnMut(String, String, &str)) {
+        let height = self.orthographic_height;
+        if let Some(height) = height.filter(|height| !(1e-3..=1e6).contains(height)) {
+            fault(
+                format!("{path}.orthographic_height"),
+                height.to_string(),
+                "0.001 to 1000000 mm",
+            );
+        }
+        let axes = self.target.iter().enumerate();
+        for (axis, value) in axes.filter(|(_, value)| !(-1e6..=1e6).contains(*value)) {
+            fault(
+                format!("{path}.target[{axis}]"),
+                value.to_string(),
+                "-1000000 to 1000000 mm",
+            );
         }
     }
 }

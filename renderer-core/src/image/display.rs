@@ -1,9 +1,10 @@
 //! From linear light to what a screen shows: exposure, tone map, sRGB.
 //!
-//! Displayed value = sRGB(tone map(linear × 2^exposure)), MODEL.md §11. The viewport, PNG files and FLIP all use it;
+//! Displayed value = sRGB(tone map(linear × 2^exposure)), MODEL.md §11; a design's exposure is what its meter says and
+//! its own (`Design::exposure`). The viewport, PNG files and FLIP all use it;
 //! EXR files hold the linear picture and never come here.
 
-use crate::design::{ToneMap, View, linear_to_srgb};
+use crate::design::{Design, ToneMap, linear_to_srgb};
 
 /// How linear light is displayed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,11 +15,11 @@ pub struct Display {
     pub tone_map: ToneMap,
 }
 
-impl From<&View> for Display {
-    fn from(view: &View) -> Self {
+impl From<&Design> for Display {
+    fn from(design: &Design) -> Self {
         Self {
-            exposure: view.exposure,
-            tone_map: view.tone_map,
+            exposure: design.exposure(),
+            tone_map: design.view.tone_map,
         }
     }
 }

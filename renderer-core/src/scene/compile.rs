@@ -319,7 +319,10 @@ impl Compiler {
         };
         cancel.check()?;
         let volumes = self.volumes_of(VolumesInputs::new(design, &materials, &optics), cancel)?;
-        let lights = Lights::new(&design.light);
+        let lights = Lights {
+            background: design.background_radiance(),
+            ..Lights::new(&design.light)
+        };
         let lights = match region {
             Some(region) => lights.in_region(&region, whole),
             None => lights,

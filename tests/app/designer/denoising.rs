@@ -203,7 +203,7 @@ impl Stage {
         let view = ViewRequest {
             camera: design.view.cameras[0].clone(),
             size: [40, 30],
-            display: Display::from(&design.view),
+            display: Display::from(&design),
             design: Arc::new(design),
             choice: BackendChoice::Cpu,
             attempt: 0,

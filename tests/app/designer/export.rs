@@ -255,7 +255,7 @@ fn every_kind_of_file_is_what_it_says() {
                 },
             );
             let light = light.expect("an EXR file").layer_data.channel_data.pixels;
-            let background = Design::default().light.background.linear();
+            let background = Design::default().background_radiance();
             // Light of the cloth alone, premultiplied: half of the pixel is background.
             let expected = 0.5 - 0.5 * background[0] as f32;
             assert_eq!(light.len(), 600);

@@ -82,6 +82,8 @@ fn taking_a_sun_does_not_move_it_and_beyond_the_rim_it_stays_on_the_horizon() {
 #[test]
 fn pressing_a_dot_selects_its_sun_and_keys_move_it() {
     let mut harness = lit();
+    harness.state_mut().document_mut().design.light.sun = vec![Sun::default()];
+    harness.run_steps(3);
     click(&mut harness, "Add sun");
     let usual = Sun::default();
     let from = place(&harness, usual.azimuth, usual.elevation);

@@ -66,7 +66,7 @@ impl LatencyProbe {
         let view = ViewRequest {
             camera: camera.ok_or_else(|| anyhow!("the preset has no camera"))?,
             size,
-            display: Display::from(&design.view),
+            display: Display::from(&design),
             design: Arc::new(design),
             choice,
             attempt: 0,

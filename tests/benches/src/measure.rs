@@ -219,7 +219,7 @@ impl Subject {
     }
 
     fn exposure(&self) -> f64 {
-        self.design.view.exposure
+        self.design.exposure()
     }
 }
 

@@ -171,6 +171,7 @@ fn view(before: &Design, after: &Design) -> Option<String> {
     let (a, b) = (&before.view, &after.view);
     cameras(&a.cameras, &b.cameras)
         .or_else(|| numbers("view", a, b))
+        .or_else(|| other(a.metering != b.metering, "what exposure counts from"))
         .or_else(|| other(a.tone_map != b.tone_map, "tone map"))
 }
 

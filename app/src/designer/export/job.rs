@@ -137,7 +137,7 @@ impl ExportRequest {
             }
             Format::Png(_) | Format::Exr(_) => (Vec::new(), Vec::new()),
         };
-        let background = Background(self.subject.design.light.background.linear());
+        let background = Background(self.subject.design.background_radiance());
         let order = picture_file::PictureOrder {
             view,
             size: self.size,
@@ -149,7 +149,7 @@ impl ExportRequest {
             },
             time: self.time,
             format: self.format.clone(),
-            display: Display::from(&self.subject.design.view),
+            display: Display::from(&self.subject.design),
             transparent: self.transparent.then_some(background),
             about: picture_file::about(&self.subject.name, Some(self.dots_per_inch)),
             chunks,

@@ -3,7 +3,8 @@
 use egui::{ComboBox, Response, TextEdit, Ui};
 use renderer_core::design::{
     Back, BentAlong, Colour, EnvironmentKind, Filter, Fit, FormKind, Interpolation, LengthMap,
-    Method, NoiseKind, Phase, PileKind, Sampler, Sheared, SkeletonHeight, SkeletonShading, ToneMap,
+    Metering, Method, NoiseKind, Phase, PileKind, Sampler, Sheared, SkeletonHeight,
+    SkeletonShading, ToneMap,
 };
 
 use crate::designer::widgets::{check_box, colour_well, row};
@@ -28,7 +29,7 @@ macro_rules! choices {
     )+ };
 }
 choices!(
-    Back BentAlong EnvironmentKind Filter Fit FormKind Interpolation LengthMap Method NoiseKind Phase
+    Back BentAlong EnvironmentKind Filter Fit FormKind Interpolation LengthMap Metering Method NoiseKind Phase
     PileKind Sampler Sheared SkeletonHeight SkeletonShading ToneMap
 );
 

@@ -11,7 +11,7 @@ use egui::{
 };
 use renderer_core::design::{
     Back, CameraDesign, Chart, ChartImage, Colour, Design, Environment, Length, LengthMap, Light,
-    Method, OPAQUE_FROM, Pattern, Pile, Quality, Sheet, SkeletonDesign, Sun, View, Weave,
+    Metering, Method, OPAQUE_FROM, Pattern, Pile, Quality, Sheet, SkeletonDesign, Sun, View, Weave,
 };
 
 use renderer_core::scene::luma;
@@ -226,7 +226,11 @@ impl Look {
                 background: self.ground(),
                 ..Light::default()
             },
-            view: View::default(),
+            view: View {
+                // As bright as those of other loops, on the panel's own ground.
+                metering: Metering::None,
+                ..View::default()
+            },
             quality: Quality {
                 method: Method::Tracked,
                 ..Quality::default()

@@ -12,6 +12,12 @@ use crate::designer::widgets::{more, subheading};
 /// Shows the panel.
 pub fn show(ui: &mut Ui, design: &mut Design, around: &mut Surroundings<'_>) {
     let view = &mut design.view;
+    choice(
+        ui,
+        "Exposure from",
+        "What exposure counts from: white cloth under these lights, or the light as it is.",
+        &mut view.metering,
+    );
     number(ui, &View::FIELDS.exposure, &mut view.exposure);
     choice(
         ui,

@@ -401,7 +401,7 @@ impl Work {
         let mut begun = Begun {
             backend: make(BackendChoice::Cpu).map_err(|error| error.to_string())?,
             request,
-            display: Display::from(&design.view),
+            display: Display::from(design),
             is_coarse: self.is_urgent,
             shown: Instant::now(),
         };

@@ -77,11 +77,13 @@ pub struct ViewRequest {
 
 impl ViewRequest {
     /// Whether both have the same samples: they differ in nothing but how light becomes colour, whether noise is taken
-    /// out of it, and in saved views.
+    /// out of it, and in saved views. A light meter sets how bright the background is.
     pub fn has_samples_of(&self, other: &Self) -> bool {
         let same_design = || {
             let mut design = Design::clone(&other.design);
+            let metering = design.view.metering;
             design.view = self.design.view.clone();
+            design.view.metering = metering;
             design == *self.design
         };
         let seen_from =

@@ -14,7 +14,7 @@ use super::PresetFault;
 use super::faults::{Faults, Found, position};
 use super::path::{Step, join, steps, unknown_field};
 use super::retired::Retired;
-use crate::design::{Colour, Design, Entry, FORMAT, Fault, Shape, Shaped, Stitch};
+use crate::design::{Colour, Design, Entry, FORMAT, Fault, Metering, Shape, Shaped, Stitch};
 
 /// Reads a preset file's text. The chart image itself is not read.
 ///
@@ -63,6 +63,7 @@ fn read(text: &str) -> Result<(Design, Faults), Faults> {
     let retired = Retired::take_out(&mut root);
     let notes: Faults = retired.into_iter().map(note).collect();
 
+    let has_no_meter = exposure_alone(&root);
     let Shape::Table(sections) = Design::shape() else {
         return Ok((Design::default(), notes));
     };
@@ -72,7 +73,7 @@ fn read(text: &str) -> Result<(Design, Faults), Faults> {
     let complete = found.is_empty();
 
     let design = Design::deserialize(Deserializer::from(Spanned::new(whole, root.clone())));
-    let design = match design {
+    let mut design = match design {
         Ok(design) => design,
         // The check above lets through only what serde can read, up to conditions on whole values (a ragged pattern).
         Err(error) => {
@@ -80,6 +81,9 @@ fn read(text: &str) -> Result<(Design, Faults), Faults> {
             return Err(found);
         }
     };
+    if has_no_meter {
+        design.view.metering = Metering::None;
+    }
     let mut faults = design.value_faults();
     if complete {
         // Only then: a relation to a value that could not be read would be one to its default.
@@ -99,6 +103,12 @@ fn read(text: &str) -> Result<(Design, Faults), Faults> {
     } else {
         Err(found)
     }
+}
+
+/// Whether a file gives an exposure and does not say what that counts from, as files did before there was a choice.
+fn exposure_alone(root: &DeTable<'_>) -> bool {
+    let view = root.get("view").and_then(|view| view.get_ref().as_table());
+    view.is_some_and(|view| view.contains_key("exposure") && !view.contains_key("metering"))
 }
 
 /// A path and all that it is a part of: `light.sun[0]`, `light.sun`, `light`.

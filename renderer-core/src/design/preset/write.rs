@@ -60,7 +60,7 @@ fn fields(text: &mut String, path: &str, entries: &[Entry], values: &Table, comm
     }
     for entry in entries {
         let path = format!("{path}.{}", entry.name);
-        match (&entry.shape, values.get(entry.name)) {
+        match (required(&entry.shape), values.get(entry.name)) {
             (Shape::Table(entries), Some(Value::Table(values))) => {
                 let _ = write!(text, "\n# {}\n[{path}]\n", entry.what);
                 fields(text, &path, entries, values, true);
@@ -91,9 +91,17 @@ fn tables_element(text: &mut String, path: &str, heading: &str, entries: &[Entry
     }
 }
 
+/// The shape of a value that is there.
+fn required(shape: &Shape) -> &Shape {
+    match shape {
+        Shape::Optional(of) => of,
+        shape => shape,
+    }
+}
+
 /// Whether a value is written under its own heading.
 fn is_table(shape: &Shape, value: &Value) -> bool {
-    match (shape, value) {
+    match (required(shape), value) {
         (Shape::Table(_), _) => true,
         (Shape::List { of, .. }, Value::Array(elements)) => {
             matches!(**of, Shape::Table(_)) && !elements.is_empty()

@@ -12,6 +12,7 @@ mod export;
 mod filing;
 mod form;
 mod handing_on;
+mod kept_view;
 mod legible;
 mod light;
 mod looks;

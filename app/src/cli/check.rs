@@ -65,7 +65,7 @@ pub fn run(arguments: &CheckArguments) -> anyhow::Result<()> {
 fn cloth(design: &Design, size: [u32; 2]) -> Result<Vec<Warning>, CompileError> {
     let mut warnings = Vec::new();
     let mut compiler = LodCompiler::default();
-    for camera in &design.view.cameras {
+    for camera in design.view.cameras.iter().chain(&design.view.current) {
         let camera = Camera::from_design(camera);
         let plan = LodPlan::new(design, &camera, size, LodBudget::FINAL, None);
         let is_whole = plan.regions.is_empty();

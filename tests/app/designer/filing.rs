@@ -61,6 +61,13 @@ impl User {
         path
     }
 
+    /// The unsaved design that is kept.
+    pub(super) fn kept_file(&self) -> PathBuf {
+        let names = self.names("state");
+        let kept = names.iter().find(|name| name.ends_with(".towel"));
+        self.at("state").join(kept.expect("an unsaved design"))
+    }
+
     pub(super) fn names(&self, folder: &str) -> Vec<String> {
         let entries = fs::read_dir(self.at(folder)).into_iter().flatten();
         let mut names: Vec<String> = entries
@@ -384,7 +391,7 @@ fn recent_files_are_opened_and_forgotten_when_they_are_gone() {
 
 /// Waits until an unsaved design is kept.
 #[track_caller]
-fn wait_for_kept(user: &User, harness: &mut Harness<'_, App>) {
+pub(super) fn wait_for_kept(user: &User, harness: &mut Harness<'_, App>) {
     wait(harness, "the unsaved design", |_| {
         user.names("state")
             .iter()

@@ -4,6 +4,7 @@
 use std::path::PathBuf;
 
 use egui::Context;
+use renderer_core::design::Design;
 
 use crate::designer::app::App;
 use crate::designer::export::{Event, Subject};
@@ -12,11 +13,18 @@ use crate::designer::shell::dialogs::Purpose;
 use crate::files::{self, UsedFile};
 
 impl App {
-    /// Looks through the design's first camera, the one a file opens with.
+    /// Looks through the design's first camera.
     pub(super) fn look_first(&mut self) {
         if let Some(camera) = self.document.design.view.cameras.first() {
-            self.viewport.camera = camera.clone();
+            self.viewport.look_anew(camera.clone());
         }
+    }
+
+    /// A design as files are to hold it: with the view that one sees.
+    pub(super) fn with_view(&self, design: &Design) -> Design {
+        let mut design = design.clone();
+        design.view.current = Some(self.viewport.camera.clone());
+        design
     }
 
     pub(super) fn perform(&mut self, ctx: &Context, command: Command) {
@@ -96,7 +104,7 @@ impl App {
         let carried = document.carried().clone();
         let subject = Subject {
             name: document.name(),
-            design: document.design.clone(),
+            design: self.with_view(&document.design),
             carried,
             camera: camera.clone(),
         };

@@ -47,7 +47,7 @@ impl App {
                     self.document.settle(false);
                     self.document.design = design;
                     self.document.name_step("restore snapshot".into());
-                    self.viewport.camera = camera;
+                    self.viewport.look_anew(camera);
                 }
             }
             ViewCommand::Alone => self.set_alone(ctx, !self.shell.is_alone),

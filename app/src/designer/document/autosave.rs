@@ -8,6 +8,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use egui::Context;
+use renderer_core::design::CameraDesign;
 
 use super::Document;
 use crate::files::{AutosaveFile, Packer, RecoveryFile, Unsaved, write_atomically};
@@ -32,8 +33,8 @@ pub struct Autosave {
     ctx: Context,
     thread: Option<(Sender<Message>, JoinHandle<()>)>,
     failure: Arc<Mutex<Option<String>>>,
-    /// The revision of the document that was sent last; none if there was nothing unsaved.
-    sent: Option<u64>,
+    /// The revision of the document that was sent last, and the view; none if there was nothing unsaved.
+    sent: Option<(u64, CameraDesign)>,
 }
 
 impl Autosave {
@@ -48,19 +49,26 @@ impl Autosave {
         }
     }
 
-    /// Looks at the document after every frame; costs nothing while it stays the same.
-    pub fn look(&mut self, document: &Document) {
+    /// Looks at the document and from where it is seen after every frame; costs little while both stay the same. Where
+    /// one has only looked around is kept once a gesture is over.
+    pub fn look(&mut self, document: &Document, view: &CameraDesign, gesture_goes_on: bool) {
         let revision = document.is_unsaved().then(|| document.revision());
-        if revision == self.sent {
+        let sent = self.sent.as_ref();
+        let is_seen_so = gesture_goes_on || sent.is_none_or(|(_, seen)| seen == view);
+        if revision == sent.map(|(revision, _)| *revision) && is_seen_so {
             return;
         }
         // While a value has a fault, what was kept before stays: a preset with a fault could not be read again.
         if revision.is_some() && !document.design.faults().is_empty() {
             return;
         }
-        self.sent = revision;
+        self.sent = revision.map(|revision| (revision, view.clone()));
         self.send(match revision {
-            Some(_) => Message::Unsaved(Box::new(document.unsaved())),
+            Some(_) => {
+                let mut unsaved = document.unsaved();
+                unsaved.design.view.current = Some(view.clone());
+                Message::Unsaved(Box::new(unsaved))
+            }
             None => Message::Clear,
         });
     }

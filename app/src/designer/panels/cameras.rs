@@ -109,7 +109,7 @@ fn actions(ui: &mut Ui, index: usize, count: usize) -> Option<Action> {
             Icon::ShiftUp,
             index > 0,
             format!("Move view {number} up"),
-            "Earlier in the list of saved views; a file opens with the first.",
+            "Earlier in the list of saved views and their keys Alt+1 to Alt+9.",
         ),
         (
             Action::Set,

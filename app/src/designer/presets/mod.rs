@@ -386,7 +386,7 @@ fn write_picture(path: &Path, picture: &ColorImage) -> Option<()> {
     files::write_atomically(path, &png).ok()
 }
 
-/// A preset as its first camera sees it.
+/// A preset in the view that it opens with.
 fn subject(place: &Place, known: &KnownOutside) -> Result<ThumbnailSubject, String> {
     let reading = Reading {
         outside: Outside::Known(known),
@@ -397,7 +397,7 @@ fn subject(place: &Place, known: &KnownOutside) -> Result<ThumbnailSubject, Stri
         Place::File(path) => files::read_design(path, reading),
     };
     let design = opened.map_err(|error| error.to_string())?.design;
-    let camera = design.view.cameras.first().cloned().unwrap_or_default();
+    let camera = design.view.opening().cloned().unwrap_or_default();
     Ok(ThumbnailSubject { design, camera })
 }
 

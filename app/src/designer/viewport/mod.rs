@@ -69,6 +69,8 @@ pub struct Viewport {
     versions: [u64; 2],
     /// What the render thread was asked for last.
     requested: Option<ViewRequest>,
+    /// Whether that was of the document that is shown: then a change of its size is the user's.
+    follows_size: bool,
     /// Size of the picture that is requested, pixels.
     size: [u32; 2],
     /// Height of the area on the screen, pixels.
@@ -111,6 +113,7 @@ impl Viewport {
             squares: None,
             versions: [0; 2],
             requested: None,
+            follows_size: false,
             // Until the window has a size; a design may be opened before.
             size: [800, 600],
             height_px: 600.0,
@@ -163,6 +166,12 @@ impl Viewport {
     /// What lies under the pointer.
     pub fn readout(&self) -> Option<&Readout> {
         self.readout.as_ref()
+    }
+
+    /// Looks at another document from here.
+    pub fn look_anew(&mut self, camera: CameraDesign) {
+        self.camera = camera;
+        self.follows_size = false;
     }
 
     /// Brings the whole cloth into view.
@@ -308,6 +317,7 @@ impl Viewport {
         };
         self.keep_true_scale(ui.ctx());
         self.keep_all_in_view(design, before);
+        self.follow_size(design);
         self.compare.interact(ui, rect);
         let drags_net = self.drag_net(ui, &response, &area, design, commands);
         self.gestures(ui, &response, &area, design, drags_net, commands);
@@ -369,15 +379,29 @@ impl Viewport {
         }
     }
 
+    /// Fits cloth that has got another size where all of it was seen before; whoever has gone nearer looks at a detail.
+    fn follow_size(&mut self, design: &Design) {
+        let keeps_scale = self.true_height_mm.is_some();
+        let last = self.requested.as_ref().map(|last| &last.design);
+        let Some(last) = last.filter(|last| last.sheet != design.sheet && !keeps_scale) else {
+            return;
+        };
+        if self.follows_size && camera_moves::shows_all(&self.camera, last, self.size) {
+            camera_moves::fit(&mut self.camera, design, self.size);
+        }
+    }
+
     /// Asks the render thread for a picture of the design, unless that is what it was asked for last.
     fn request(&mut self, design: &Design) {
+        self.follows_size = true;
         let last = self.requested.as_ref();
         let known = last.filter(|last| *last.design == *design);
         let request = ViewRequest {
             design: known.map_or_else(|| Arc::new(design.clone()), |w| Arc::clone(&w.design)),
             camera: self.camera.clone(),
             size: self.size,
-            display: Display::from(&design.view),
+            // An environment's light is not summed up anew in every frame.
+            display: known.map_or_else(|| Display::from(design), |w| w.display),
             choice: self.choice,
             attempt: self.attempt,
             light: self.light,

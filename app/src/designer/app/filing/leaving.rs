@@ -25,7 +25,7 @@ impl App {
     fn replace_document(&mut self, ctx: &Context, command: Command) {
         match command {
             Command::New => {
-                self.set_document(Document::default());
+                self.set_document(Document::default(), None);
             }
             Command::Open => {
                 let folder = self.folder_for(Purpose::OpenPreset);

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use egui::{Context, ThemePreference};
+use renderer_core::design::CameraDesign;
 
 use self::opening::Loaded;
 use self::saving::Saving;
@@ -179,12 +180,16 @@ fn age_text(age: Duration) -> String {
 }
 
 impl App {
-    fn set_document(&mut self, document: Document) {
+    /// Shows a document, in the view that its file was saved in if there is one.
+    fn set_document(&mut self, document: Document, view: Option<CameraDesign>) {
         if let Some(autosave) = &mut self.filing.autosave {
             autosave.forget();
         }
         self.document = document;
-        self.look_first();
+        match view {
+            Some(view) => self.viewport.look_anew(view),
+            None => self.look_first(),
+        }
     }
 
     /// Where a dialog starts: the document's folder, else the one last used, else the user's.
@@ -254,8 +259,9 @@ impl App {
                 self.filing.ask_about_recovery();
             }
             RecoveryChoice::Recover => match recovery.read() {
-                Ok(unsaved) => {
-                    self.set_document(Document::recovered(unsaved));
+                Ok(mut unsaved) => {
+                    let view = unsaved.design.view.current.take();
+                    self.set_document(Document::recovered(unsaved), view);
                     if let Some(autosave) = &mut self.filing.autosave {
                         autosave.replace(recovery);
                     }
@@ -298,7 +304,7 @@ impl App {
             self.shell.notices.error("The folder cannot be shown", text);
         }
         if let Some(autosave) = &mut self.filing.autosave {
-            autosave.look(&self.document);
+            autosave.look(&self.document, &self.viewport.camera, gesture_goes_on);
             if let Some(failure) = autosave.take_failure() {
                 self.shell.notices.error("Not kept", failure);
             }

@@ -148,7 +148,9 @@ impl App {
             self.filing
                 .remember_folder(Purpose::OpenPreset.key(), &path);
         }
-        self.set_document(Document::opened(opened, path));
+        // The window has it from here on: looking around is no change of the design.
+        let view = opened.design.view.current.take();
+        self.set_document(Document::opened(opened, path), view);
         self.document.own_images = own_images;
     }
 

@@ -110,7 +110,7 @@ impl App {
             true => OwnImages::default(),
             false => self.document.own_images.clone(),
         };
-        let (to, written) = (path.clone(), design.clone());
+        let (to, written) = (path.clone(), self.with_view(&design));
         let task = Task::start(ctx, move || {
             let from = from.as_deref();
             let saved = files::save_edited(&written, &carried, &to, from, &own_images);

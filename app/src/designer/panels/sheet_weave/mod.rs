@@ -3,19 +3,15 @@
 
 mod legend;
 mod ready;
+mod size;
 mod tools;
 
 use egui::{Context, RichText, ScrollArea, Ui, Vec2, Window, vec2};
-use renderer_core::design::{
-    Anchor, Back, Design, Field, NewCells, Pattern, STITCHES, Sheet, Weave,
-};
+use renderer_core::design::{Anchor, Back, Design, NewCells, Pattern, STITCHES, Weave};
 
 use crate::designer::panels::choice_row::choice;
-use crate::designer::panels::number_row::number;
-use crate::designer::widgets::style::{ROW_HEIGHT, VALUE_WIDTH};
 use crate::designer::widgets::{
-    GridAccess, GridCell, GridEditor, GridView, Icon, IconButton, NumberField, grid_editor, row,
-    subheading,
+    GridAccess, GridCell, GridEditor, GridView, Icon, IconButton, grid_editor, subheading,
 };
 use legend::stitch_name;
 
@@ -30,6 +26,8 @@ pub struct State {
     new_cells: NewCells,
     /// The pattern before its size began to change, so that what a drag cuts off comes back when it returns.
     before_resizing: Option<Pattern>,
+    /// The size that was asked for in cm.
+    wanted: size::Wanted,
 }
 
 impl Default for State {
@@ -40,6 +38,7 @@ impl Default for State {
             anchor: Anchor::default(),
             new_cells: NewCells::default(),
             before_resizing: None,
+            wanted: size::Wanted::default(),
         }
     }
 }
@@ -51,13 +50,7 @@ const LEGEND_WIDTH: f32 = 156.0;
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design) {
-    let fields = Sheet::FIELDS;
-    let sheet = &mut design.sheet;
-    number(ui, &fields.warps, &mut sheet.warps);
-    number(ui, &fields.wefts, &mut sheet.wefts);
-    number(ui, &fields.warps_per_cm, &mut sheet.warps_per_cm);
-    number(ui, &fields.wefts_per_cm, &mut sheet.wefts_per_cm);
-    size(ui, sheet);
+    size::show(ui, &mut state.wanted, &mut design.sheet);
     let weave = &mut design.weave;
     choice(
         ui,
@@ -89,58 +82,6 @@ pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design) {
         place(ui, state, &weave.pattern);
     }
     tell_of_bare_back(ui, weave);
-}
-
-/// Width and length of the cloth, which are read and typed in cm and kept as numbers of yarns.
-fn size(ui: &mut Ui, sheet: &mut Sheet) {
-    let what = "Width and length of the cloth: changes how many yarns there are, not how closely they stand.";
-    row(ui, "Size", what, |ui, _| {
-        let fields = Sheet::FIELDS;
-        let width = Side {
-            name: "Width of the cloth",
-            field: &fields.warps,
-            per_cm: sheet.warps_per_cm,
-        };
-        side(ui, &width, &mut sheet.warps);
-        ui.label("×");
-        let length = Side {
-            name: "Length of the cloth",
-            field: &fields.wefts,
-            per_cm: sheet.wefts_per_cm,
-        };
-        side(ui, &length, &mut sheet.wefts);
-        ui.weak("cm");
-    });
-}
-
-/// A side of the cloth.
-struct Side<'a> {
-    name: &'static str,
-    /// The number of its yarns.
-    field: &'a Field,
-    per_cm: f64,
-}
-
-fn side(ui: &mut Ui, side: &Side<'_>, yarns: &mut u32) {
-    let &Side {
-        name,
-        field,
-        per_cm,
-    } = side;
-    let before = f64::from(*yarns) / per_cm;
-    let mut cm = before;
-    let response = NumberField::new(&mut cm, "cm", field.min / per_cm..=field.max / per_cm)
-        .speed(0.1)
-        .max_decimals(1)
-        .size(vec2(VALUE_WIDTH, ROW_HEIGHT))
-        .show(ui)
-        .accessible_name(name)
-        .on_hover_text(format!(
-            "{name}, in cm; the yarns stand as closely as before."
-        ));
-    if response.changed() && cm != before {
-        *yarns = (cm * per_cm).round().clamp(field.min, field.max) as u32;
-    }
 }
 
 /// Shows the large window, if it is open.

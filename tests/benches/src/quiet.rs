@@ -101,7 +101,7 @@ impl Window {
             view: ViewRequest {
                 camera: camera.ok_or_else(|| anyhow!("the preset has no camera"))?,
                 size: arguments.size,
-                display: Display::from(design),
+                display: Display::from(&design.view),
                 design: Arc::new(design.clone()),
                 choice: arguments.backend,
                 attempt: 0,
@@ -319,7 +319,7 @@ pub fn run(arguments: &QuietArguments) -> anyhow::Result<()> {
     let (truth, _) = draw(&mut *backend, &request, &mut Spent::zero())?;
     request.settings.seed = settings.seed;
 
-    let display = Display::from(&*after);
+    let display = Display::from(&after.view);
     let mut out = std::io::stdout().lock();
     writeln!(
         out,

@@ -7,4 +7,5 @@ pub mod clock;
 pub mod denoiser;
 pub mod designer;
 pub mod files;
+pub mod lettering;
 pub mod picture_file;

@@ -126,8 +126,8 @@ fn open_and_keep(shop: &Workshop, file: &Path) -> Result<(), String> {
         .expect("what was saved opens")
         .design;
     let without_paths = |mut design: renderer_core::design::Design| {
-        for slot in renderer_core::design::ImageSlot::ALL {
-            *slot.path_mut(&mut design) = None;
+        for slot in renderer_core::design::ImageSlot::of(&design) {
+            slot.set_path(&mut design, None);
         }
         design
     };

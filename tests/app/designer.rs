@@ -5,6 +5,7 @@
 
 mod cell_sets;
 mod chart;
+mod chart_objects;
 mod compare;
 mod denoising;
 mod driving;
@@ -17,6 +18,7 @@ mod legible;
 mod light;
 mod looks;
 mod loops;
+mod new_design;
 mod panels;
 mod ready_patterns;
 mod rendering;

@@ -12,6 +12,7 @@ mod bounced;
 mod chart;
 mod chart_edit;
 mod chart_loops;
+mod chart_objects;
 mod checked;
 mod coarse_preview;
 mod colour;

@@ -96,7 +96,7 @@ fn hand_editors_find_units_ranges_and_rows() {
         "lean_x        = 0.0          # °, -75 to 75: Lean of all loops along the weft: the nap.",
         "    [7, 0],",
         "    [0, 7],",
-        "# image   =            # Path of the image, relative to the preset: PNG, JPEG, WebP, GIF, BMP, \
+        "# image    =            # Path of the image, relative to the preset: PNG, JPEG, WebP, GIF, BMP, \
          TIFF, TGA or PPM, by its colour profile or as sRGB. Each palette entry is a yarn: of two with \
          one colour the second is changed by the smallest step. No image means one colour.",
         "[[light.sun]]",
@@ -297,7 +297,7 @@ fn every_image_of_a_design_has_its_row() {
             }
         };
         assert!(pixels.is_some());
-        let mut design = preset::set(&Design::default(), slot.field(), "a.png").unwrap();
+        let mut design = preset::set(&Design::default(), &slot.field(), "a.png").unwrap();
         assert_eq!(slot.path(&design), Some("a.png"));
         slot.set_pixels(&mut design, pixels.clone());
         slot.show(&mut design);
@@ -312,7 +312,7 @@ fn every_image_of_a_design_has_its_row() {
         // A field that names another file leaves no pixels; another field leaves them.
         let bent = preset::set(&design, "pile.tilt", "3").unwrap();
         assert!(slot.has_pixels(&bent));
-        assert!(!slot.has_pixels(&preset::set(&design, slot.field(), "b.png").unwrap()));
+        assert!(!slot.has_pixels(&preset::set(&design, &slot.field(), "b.png").unwrap()));
         slot.leave_out(&mut design);
         assert_eq!(design, Design::default());
     }
@@ -509,6 +509,7 @@ fn reference() -> String {
     let mut design = Design::default();
     design.length.table.push(LengthEntry::default());
     design.light.area.push(AreaLight::default());
+    design.chart.object.push(ChartObject::default());
     let defaults = toml::Table::try_from(&design).unwrap();
     let Shape::Table(sections) = Design::shape() else {
         panic!("a design is a table");

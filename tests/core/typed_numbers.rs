@@ -82,6 +82,57 @@ fn units_of_the_same_kind_are_read() {
 }
 
 #[test]
+fn sums_and_products_are_worked_out() {
+    for (text, unit, expected) in [
+        ("70 + 5", "mm", 75.0),
+        ("70-5", "mm", 65.0),
+        ("2*3 cm", "mm", 60.0),
+        ("140 cm / 3", "mm", 1400.0 / 3.0),
+        ("140 cm/4", "mm", 350.0),
+        ("1/4 in * 3", "mm", 19.05),
+        ("1 1/2 in + 2 cm", "mm", 58.1),
+        ("(12 + 8) cm", "mm", 200.0),
+        ("(1 + 2) × (3 - 1)", "", 6.0),
+        ("2 + 3 * 4", "", 14.0),
+        ("-(2,5 + 0,5)", "", -3.0),
+        ("3 * -2", "", -6.0),
+        ("2e-3 + 1", "", 1.002),
+        ("12 ÷ 5", "", 2.4),
+        ("33 /in * 2", "/cm", 66.0 / 2.54),
+        ("1 m - 40 cm", "mm", 600.0),
+        ("5' + 6\"", "mm", 1676.4),
+    ] {
+        assert_read(text, unit, expected);
+    }
+    for (text, unit, why) in [
+        (
+            "70 cm + 5",
+            "mm",
+            "a unit in one part of the sum and none in another",
+        ),
+        (
+            "2 cm * 3 cm",
+            "mm",
+            "multiplies with a number that has a unit",
+        ),
+        ("7 mm / 2 cm", "mm", "divides by a number that has a unit"),
+        ("7 / (1 - 1)", "mm", "divides by 0"),
+        ("(1 + 2", "mm", "lacks a )"),
+        ("1 + ", "mm", "no number"),
+        ("1 + 2 kg", "mm", "unit kg; units of lengths"),
+        ("(1 cm + 2 cm) mm", "mm", "in parentheses and behind them"),
+    ] {
+        let error = read_number(text, unit, false).expect_err(text);
+        assert!(
+            error.contains(why),
+            "{text:?} in {unit:?}: {error:?} does not tell {why:?}"
+        );
+    }
+    assert_eq!(read_number("3 * 40", "yarns", true), Ok(120.0));
+    assert!(read_number("7 / 2.0 + 1", "", true).is_err());
+}
+
+#[test]
 fn what_is_not_understood_is_refused_with_a_reason() {
     for (text, unit, why) in [
         ("", "mm", "missing"),
@@ -172,7 +223,7 @@ proptest! {
     }
 
     #[test]
-    fn no_text_like_a_number_makes_the_reader_panic(text in "[-+0-9.,' /eE½%\"mcin°]{0,12}", integer: bool) {
+    fn no_text_like_a_number_makes_the_reader_panic(text in "[-+*()0-9.,' /eE½%\"mcin°]{0,16}", integer: bool) {
         for unit in ["", "mm", "°", "min", "yarns"] {
             if let Ok(value) = read_number(&text, unit, integer) {
                 prop_assert!(value.is_finite());

@@ -19,6 +19,7 @@
 //! | `render_thread` | the thread that renders for the viewport |
 //! | `presets` | the list of presets, and the thread that draws thumbnails |
 //! | `export` | the export window and its job |
+//! | `new_design` | the window that starts a design, and the cloths it starts with |
 //! | `shell` | menus, bars, messages, questions, dialogs, and the commands they give |
 //! | `tasks` | results to come from other threads |
 //! | `widgets` | controls that know nothing of towels, and their look |
@@ -27,6 +28,7 @@ mod app;
 mod chart_editor;
 mod document;
 mod export;
+mod new_design;
 pub mod panels;
 mod presets;
 mod render_thread;
@@ -44,6 +46,7 @@ pub use document::Document;
 pub use document::folders::Folders;
 pub use document::labels::label_of;
 pub use document::settings::denoiser_folder;
+pub use new_design::{Cloth, ClothKind};
 pub use panels::length_pictures;
 pub use presets::thumbnails;
 pub use render_thread::draft_lighting::{CACHED_SHADOWS, LiveLight};

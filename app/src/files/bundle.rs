@@ -3,6 +3,7 @@
 //! The preset is a preset as any other; its images are members of the archive and named as such, never files outside,
 //! so that a bundle looks the same everywhere and cannot reach into the machine that opens it.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::io::BufReader;
 use std::path::Path;
@@ -11,7 +12,7 @@ use std::sync::Arc;
 use renderer_core::design::{Design, ImagePixels, ImageSlot, preset};
 
 use super::image_paths::same_form;
-use super::image_words::words;
+use super::image_words::file_stem;
 use super::images::{decode_image, encode_image};
 use super::input::{Input, open_file};
 use super::strip::stripped;
@@ -26,6 +27,9 @@ pub(super) const PRESET: &str = "preset.toml";
 pub(super) const LARGEST_BUNDLE: u64 = 3 << 29;
 /// Largest image in a bundle, unpacked, bytes: a chart of 8192 x 8192 noise takes half of it.
 pub(super) const LARGEST_IMAGE: usize = 512 << 20;
+
+/// Where large images stay outside, most bytes of images together.
+const MOST_AT_ONCE: usize = 24 << 20;
 
 /// Whether a file's name is that of a bundle.
 pub fn is_bundle(path: &Path) -> bool {
@@ -55,7 +59,7 @@ pub(super) struct LeftOut {
 #[derive(Default)]
 pub struct Packer {
     /// For each image its pixels and its file.
-    last: [Option<(ImagePixels, Image)>; ImageSlot::ALL.len()],
+    last: BTreeMap<ImageSlot, (ImagePixels, Image)>,
 }
 
 /// An image's file: a name that says its format, and its bytes.
@@ -83,13 +87,13 @@ impl Packer {
             images: Carried::default(),
             left_out: Vec::new(),
         };
-        for slot in ImageSlot::ALL {
+        for slot in ImageSlot::of(&design) {
             if let Some(image) = self.image(slot, &design, carried, folder)? {
                 let name = packed.take(slot, image, most);
-                *slot.path_mut(&mut design) = Some(name);
+                slot.set_path(&mut design, Some(name));
             } else {
                 // A path to an image that the design does not have.
-                *slot.path_mut(&mut design) = None;
+                slot.set_path(&mut design, None);
             }
         }
         packed.text = preset::write(&design).map_err(|error| error.to_string())?;
@@ -109,12 +113,11 @@ impl Packer {
             return Ok(None);
         };
         let found = Found::new(slot.path(design), carried, folder);
-        let last = &mut self.last[slot as usize];
-        let image = match last {
+        let image = match self.last.get(&slot) {
             Some((last, image)) if *last == pixels => image.clone(),
             _ => found.image(slot, &pixels)?,
         };
-        *last = Some((pixels, image.clone()));
+        self.last.insert(slot, (pixels, image.clone()));
         Ok(Some(image))
     }
 }
@@ -167,7 +170,7 @@ impl Found {
             });
         }
         let stem = Path::new(&self.name).file_stem();
-        let stem = stem.map_or(words(slot).file_stem.into(), |stem| stem.to_string_lossy());
+        let stem = stem.map_or(file_stem(slot).into(), |stem| stem.to_string_lossy());
         let (bytes, ending) = encode_image(pixels)?;
         Ok(Image {
             name: format!("{stem}.{ending}"),
@@ -181,10 +184,11 @@ impl Packed {
     fn take(&mut self, slot: ImageSlot, image: Image, most: Option<usize>) -> String {
         let mut name = image.name;
         while self.is_taken(&name) {
-            name = format!("{}-{name}", words(slot).file_stem);
+            name = format!("{}-{name}", file_stem(slot));
         }
         let size = image.bytes.len();
-        if most.is_some_and(|most| size > most) {
+        let taken: usize = self.images.iter().map(|(_, bytes)| bytes.len()).sum();
+        if most.is_some_and(|most| size > most || taken + size > MOST_AT_ONCE) {
             let name = name.clone();
             self.left_out.push(LeftOut { slot, name, size });
         } else {
@@ -285,7 +289,7 @@ pub(super) fn unpack(archive: &[u8]) -> Result<Unpacked, String> {
     let mut carried = Carried::default();
     // A preset with faults names no images; who reads the text reports the faults.
     let design = preset::parse(&text).unwrap_or_default();
-    for name in ImageSlot::ALL.iter().filter_map(|slot| slot.path(&design)) {
+    for name in ImageSlot::of(&design).filter_map(|slot| slot.path(&design)) {
         let member = format!("{folder}{}", same_form(name));
         if let Some(bytes) = archive.read(&member, LARGEST_IMAGE)? {
             carried.insert(name, bytes);

@@ -75,6 +75,25 @@ const HEIGHT: ImageWords = ImageWords {
     owner_keyword: None,
 };
 
+const OBJECT: ImageWords = ImageWords {
+    name: "picture on the chart",
+    file_stem: "object",
+    endings: FLAT,
+    dropped_endings: &[],
+    dialog_title: "Open picture",
+    folder_key: "charts",
+    not_opened: "Picture not opened",
+    owner_keyword: Some("Towel Designer picture on the chart of"),
+};
+
+/// The name of an image's file, without the ending, where it has none of its own.
+pub fn file_stem(slot: ImageSlot) -> String {
+    match slot {
+        ImageSlot::Object(index) => format!("{}-{}", OBJECT.file_stem, index + 1),
+        slot => words(slot).file_stem.into(),
+    }
+}
+
 /// The words for an image.
 pub fn words(slot: ImageSlot) -> &'static ImageWords {
     match slot {
@@ -82,6 +101,7 @@ pub fn words(slot: ImageSlot) -> &'static ImageWords {
         ImageSlot::Nap => &NAP,
         ImageSlot::Environment => &ENVIRONMENT,
         ImageSlot::Height => &HEIGHT,
+        ImageSlot::Object(_) => &OBJECT,
     }
 }
 

@@ -37,7 +37,7 @@ impl Outline {
         let mut images = Carried::default();
         let design = preset::parse(&text).unwrap_or_default();
         let outside = Outside::Known(known);
-        for name in ImageSlot::ALL.iter().filter_map(|slot| slot.path(&design)) {
+        for name in ImageSlot::of(&design).filter_map(|slot| slot.path(&design)) {
             if is_outside(folder, name) && !outside.opens(path, name) {
                 continue;
             }

@@ -89,7 +89,7 @@ pub(super) fn outside_images<'d>(
     design: &'d Design,
 ) -> impl Iterator<Item = OutsideImage> + use<'d> {
     let folder = folder.to_owned();
-    ImageSlot::ALL.into_iter().filter_map(move |slot| {
+    ImageSlot::of(design).filter_map(move |slot| {
         let name = slot.path(design).filter(|name| is_outside(&folder, name))?;
         Some(OutsideImage {
             slot,

@@ -12,7 +12,7 @@ use std::time::SystemTime;
 use renderer_core::design::{ChartImage, Design, ImagePixels, ImageSlot};
 use renderer_core::image::{encode_chart_png, png_text};
 
-use super::image_words::words;
+use super::image_words::{file_stem, words};
 use super::paths::{name_of_parts, stem_of};
 use super::write::{write_error, write_together};
 use super::{FileError, UsedFile, write_atomically};
@@ -64,7 +64,7 @@ impl Prepared {
     /// Names them in the design that is to be written.
     pub(super) fn name_in(&self, design: &mut Design) {
         for own in &self.own.0 {
-            *own.slot.path_mut(design) = Some(name_of(&own.path));
+            own.slot.set_path(design, Some(name_of(&own.path)));
         }
     }
 
@@ -94,9 +94,8 @@ impl OwnImages {
     /// Takes those images of a design just read from `preset` for its own that are: from then on their pixels are the
     /// design's.
     pub(super) fn take(design: &mut Design, preset: &Path) -> Self {
-        let slots = ImageSlot::ALL.into_iter();
         Self(
-            slots
+            ImageSlot::of(design)
                 .filter_map(|slot| OwnImage::take(slot, design, preset))
                 .collect(),
         )
@@ -122,7 +121,7 @@ impl OwnImages {
         known: &Self,
     ) -> Result<Prepared, FileError> {
         let mut prepared = Prepared::default();
-        for slot in ImageSlot::ALL {
+        for slot in ImageSlot::of(design) {
             let (Some(keyword), None, Some(ImagePixels::Colours(pixels))) = (
                 words(slot).owner_keyword,
                 slot.path(design),
@@ -136,7 +135,7 @@ impl OwnImages {
                 continue;
             }
             let path = free_name(slot, preset, known).ok_or_else(|| {
-                let what = format!("no name for its {} is free", words(slot).file_stem);
+                let what = format!("no name for its {} is free", file_stem(slot));
                 write_error(preset, io::Error::other(what))
             })?;
             let bytes = encode_chart_png(&pixels, &[(keyword, &name_of(preset))])
@@ -164,7 +163,7 @@ impl OwnImage {
             return None;
         };
         let stamp = stamp(&path).ok()?;
-        *slot.path_mut(design) = None;
+        slot.set_path(design, None);
         Some(Self {
             slot,
             path,
@@ -190,7 +189,7 @@ impl OwnImage {
 /// preset's image was written to before is only used again if nobody else has written there since.
 fn free_name(slot: ImageSlot, preset: &Path, known: Option<&OwnImage>) -> Option<PathBuf> {
     let stem = stem_of(preset);
-    let ending = words(slot).file_stem;
+    let ending = file_stem(slot);
     (1..=MOST_NAMES)
         .map(|k| match k {
             1 => format!("-{ending}.png"),

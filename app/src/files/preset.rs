@@ -17,6 +17,7 @@ use super::outside::{Outside, OutsideImage, is_outside};
 use super::own_images::{MOST_NAMES, OwnImages};
 use super::paths::name_of_parts;
 use super::{Carried, FileError, LARGEST_PRESET, UsedFile, write_atomically, write_error};
+use crate::lettering::outline_text;
 
 /// What a design was read from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -166,6 +167,7 @@ impl<'a> Source<'a> {
         for (field, value) in sets {
             design = preset::set(&design, field, value)?;
         }
+        warnings.extend(self.outline_texts(&mut design, sets));
         if let Some(fault) = design.faults().into_iter().next() {
             let path = self.path_of_text();
             return Err(FileError::Together { path, fault });
@@ -173,9 +175,9 @@ impl<'a> Source<'a> {
         let mut faults = Vec::new();
         let (mut opened_outside, mut left_out) = (Vec::new(), Vec::new());
         let mut read = self.own_file();
-        for slot in ImageSlot::ALL {
+        for slot in ImageSlot::of(&design) {
             // A file that was asked for on the command line is one, and the preset is not to blame for it.
-            let is_set = sets.iter().any(|(set, _)| set == slot.field());
+            let is_set = sets.iter().any(|(set, _)| *set == slot.field());
             let folder = self.folder_of_images(is_set);
             let Some(named) = slot.path(&design) else {
                 continue;
@@ -208,7 +210,7 @@ impl<'a> Source<'a> {
                     warnings.push(format!("{path}: opened without its {name}: {error}"));
                     slot.leave_out(&mut design);
                 }
-                Err(error) => faults.push(fault_at(text, slot.field(), &error)),
+                Err(error) => faults.push(fault_at(text, &slot.field(), &error)),
             }
         }
         if !faults.is_empty() {
@@ -256,6 +258,24 @@ impl<'a> Source<'a> {
         folder.unwrap_or(Path::new(""))
     }
 
+    /// Gives texts on the chart their outlines where they have none, or another text or font by now. Returns what is to
+    /// be said of them.
+    fn outline_texts(&self, design: &mut Design, sets: &[(String, String)]) -> Vec<String> {
+        let place = self.path.display();
+        let mut said = Vec::new();
+        for (index, object) in design.chart.object.iter_mut().enumerate() {
+            let field = |name: &str| format!("chart.object[{index}].{name}");
+            let is_other =
+                |(set, _): &(String, String)| [field("text"), field("font")].contains(set);
+            if sets.iter().any(is_other) {
+                object.outline = None;
+            }
+            let what = outline_text(object);
+            said.extend(what.map(|what| format!("{place}: {} {what}", field("text"))));
+        }
+        said
+    }
+
     /// The design that the text says, without its images, and what of the text means nothing any more.
     fn parse(&self, text: &str) -> Result<(Design, Vec<String>), FileError> {
         let path = self.path_of_text();
@@ -289,7 +309,7 @@ impl<'a> Source<'a> {
     /// Names an image as this system does, where the design has its path in another form; only a path that leads
     /// nowhere stays.
     fn name_as_found(&self, slot: ImageSlot, design: &mut Design) {
-        let Some(path) = slot.path_mut(design) else {
+        let Some(path) = slot.path(design) else {
             return;
         };
         let folder = self.folder_of_images(false);
@@ -298,7 +318,7 @@ impl<'a> Source<'a> {
             None => (self.carried.get(path)).map(|_| same_form(path)),
         };
         if let Some(found) = found {
-            *path = found;
+            slot.set_path(design, Some(found));
         }
     }
 
@@ -439,22 +459,23 @@ fn save_preset(
     let moved = from.and_then(Path::parent) != to.parent();
     let mut written = design.clone();
     let mut packer = Packer::default();
-    for slot in ImageSlot::ALL {
-        let Some(path) = slot.path_mut(&mut written) else {
+    for slot in ImageSlot::of(design) {
+        let Some(path) = slot.path(design) else {
             continue;
         };
         let is_carried = carried.get(path).is_some();
-        let file = old_folder.join(&*path);
+        let file = old_folder.join(path);
+        let mut path = path.to_owned();
         if !is_carried && (moved || file.is_absolute()) {
-            *path = image_path_from(to, &file);
+            path = image_path_from(to, &file);
         }
-        if !is_carried && new_folder.join(&*path).is_file() {
-            continue;
+        if is_carried || !new_folder.join(&path).is_file() {
+            let image = packer.image(slot, design, carried, old_folder);
+            if let Some(image) = image.map_err(failed)? {
+                path = write_beside(to, &image)?;
+            }
         }
-        let image = packer.image(slot, design, carried, old_folder);
-        if let Some(image) = image.map_err(failed)? {
-            *path = write_beside(to, &image)?;
-        }
+        slot.set_path(&mut written, Some(path));
     }
     let own = OwnImages::prepare(design, to, known)?;
     own.name_in(&mut written);

@@ -92,11 +92,10 @@ impl AutosaveFile {
             path: unsaved.path.as_deref().map(bytes_of),
             name: unsaved.name.clone(),
             stamp: unsaved.stamp,
-            own_images: ImageSlot::ALL
-                .iter()
-                .filter(|slot| words(**slot).owner_keyword.is_some())
+            own_images: ImageSlot::of(&unsaved.design)
+                .filter(|slot| words(*slot).owner_keyword.is_some())
                 .filter(|slot| slot.path(&unsaved.design).is_none())
-                .map(|slot| slot.field().to_owned())
+                .map(|slot| slot.field().into_owned())
                 .collect(),
         };
         let about = serde_json::to_vec(&about).map_err(|error| error.to_string())?;
@@ -194,9 +193,9 @@ impl RecoveryFile {
         let unpacked = unpack(&bytes).map_err(broken)?;
         let source = Source::new(path, Origin::Bundle, unpacked.carried);
         let mut opened = source.open(&unpacked.text, Reading::default())?;
-        for slot in ImageSlot::ALL {
-            if about.own_images.iter().any(|field| field == slot.field()) {
-                *slot.path_mut(&mut opened.design) = None;
+        for slot in ImageSlot::of(&opened.design) {
+            if about.own_images.iter().any(|field| *field == slot.field()) {
+                slot.set_path(&mut opened.design, None);
             }
         }
         Ok(Unsaved {

@@ -1,7 +1,11 @@
 //! The images of a design, in one table: where a design names each, what its pixels are, and what depends on its being
 //! there. Whatever reads, writes, packs or copies images goes through [`ImageSlot`], so that one more is one more row.
 
-use super::{ChartImage, Design, EnvironmentImage, EnvironmentKind, FormKind, HeightImage};
+use std::borrow::Cow;
+
+use super::{
+    ChartImage, ChartObject, Design, EnvironmentImage, EnvironmentKind, FormKind, HeightImage,
+};
 
 /// Pixels of any image of a design. Copies share them.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,44 +39,78 @@ macro_rules! image_slots {
     )+) => {
         /// An image that a design may have.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-        pub enum ImageSlot { $( $(#[doc = $doc])+ $slot, )+ }
+        pub enum ImageSlot {
+            $( $(#[doc = $doc])+ $slot, )+
+            /// The picture that this object of the chart is, counted from 0.
+            Object(u16),
+        }
 
         impl ImageSlot {
-            /// All images, the commonest first.
+            /// The images that every design has a place for, the commonest first.
             pub const ALL: [Self; [$(Self::$slot),+].len()] = [$(Self::$slot),+];
 
+            /// The images that a design has a place for: [`Self::ALL`] and the pictures on its chart.
+            pub fn of(design: &Design) -> impl Iterator<Item = Self> + use<> {
+                let objects = design.chart.object.len().min(ChartObject::MAX) as u16;
+                Self::ALL.into_iter().chain((0..objects).map(Self::Object))
+            }
+
             /// The field that names its file, as in presets.
-            pub fn field(self) -> &'static str {
+            pub fn field(self) -> Cow<'static, str> {
                 match self {
-                    $(Self::$slot => concat!(stringify!($first), ".", $(stringify!($next), ".",)* "image"),)+
+                    $(Self::$slot => {
+                        concat!(stringify!($first), ".", $(stringify!($next), ".",)* "image").into()
+                    })+
+                    Self::Object(index) => format!("chart.object[{index}].image").into(),
                 }
             }
 
             /// What its pixels are.
             pub fn kind(self) -> PixelKind {
-                match self { $(Self::$slot => PixelKind::$kind,)+ }
+                match self {
+                    $(Self::$slot => PixelKind::$kind,)+
+                    Self::Object(_) => PixelKind::Colours,
+                }
             }
 
             /// The path of its file, or its name where the design carries it.
             pub fn path(self, design: &Design) -> Option<&str> {
-                match self { $(Self::$slot => design.$first$(.$next)*.image.as_deref(),)+ }
+                match self {
+                    $(Self::$slot => design.$first$(.$next)*.image.as_deref(),)+
+                    Self::Object(index) => object(design, index)?.image.as_deref(),
+                }
             }
 
-            /// The path of its file, to be changed.
-            pub fn path_mut(self, design: &mut Design) -> &mut Option<String> {
-                match self { $(Self::$slot => &mut design.$first$(.$next)*.image,)+ }
+            /// Names its file, or says that it is in none; a picture of an object that is not there has no place.
+            pub fn set_path(self, design: &mut Design, path: Option<String>) {
+                match self {
+                    $(Self::$slot => design.$first$(.$next)*.image = path,)+
+                    Self::Object(index) => {
+                        if let Some(object) = object_mut(design, index) {
+                            object.image = path;
+                        }
+                    }
+                }
             }
 
             /// Its pixels.
             pub fn pixels(self, design: &Design) -> Option<ImagePixels> {
                 match self {
                     $(Self::$slot => design.$first$(.$next)*.pixels.clone().map(ImagePixels::$kind),)+
+                    Self::Object(index) => {
+                        object(design, index)?.pixels.clone().map(ImagePixels::Colours)
+                    }
                 }
             }
 
             /// Whether a design has it.
             pub fn has_pixels(self, design: &Design) -> bool {
-                match self { $(Self::$slot => design.$first$(.$next)*.pixels.is_some(),)+ }
+                match self {
+                    $(Self::$slot => design.$first$(.$next)*.pixels.is_some(),)+
+                    Self::Object(index) => {
+                        object(design, index).is_some_and(|object| object.pixels.is_some())
+                    }
+                }
             }
 
             /// Gives a design its pixels; those of another kind than [`Self::kind`] count as none.
@@ -84,6 +122,14 @@ macro_rules! image_slots {
                         }
                         (Self::$slot, _) => design.$first$(.$next)*.pixels = None,
                     )+
+                    (Self::Object(index), pixels) => {
+                        if let Some(object) = object_mut(design, index) {
+                            object.pixels = match pixels {
+                                Some(ImagePixels::Colours(pixels)) => Some(pixels),
+                                _ => None,
+                            };
+                        }
+                    }
                 }
             }
 
@@ -91,12 +137,13 @@ macro_rules! image_slots {
             pub fn show(self, design: &mut Design) {
                 match self {
                     $(Self::$slot => { $( design.$place$(.$rest)* = $choice::$with; )? })+
+                    Self::Object(_) => {}
                 }
             }
 
             /// Leaves the image out, and where the design shows it, what needs no image takes its place.
             pub fn leave_out(self, design: &mut Design) {
-                *self.path_mut(design) = None;
+                self.set_path(design, None);
                 self.set_pixels(design, None);
                 match self {
                     $(Self::$slot => { $(
@@ -105,10 +152,19 @@ macro_rules! image_slots {
                             *kind = $choice::$without;
                         }
                     )? })+
+                    Self::Object(_) => {}
                 }
             }
         }
     };
+}
+
+fn object(design: &Design, index: u16) -> Option<&ChartObject> {
+    design.chart.object.get(usize::from(index))
+}
+
+fn object_mut(design: &mut Design, index: u16) -> Option<&mut ChartObject> {
+    design.chart.object.get_mut(usize::from(index))
 }
 
 image_slots! {

@@ -3,9 +3,11 @@
 //! [`Design`] is plain data that can be cloned, compared and written as TOML; [`preset`] reads and writes files with
 //! faults that name line and column. `scene::compile` turns a valid design into what a renderer draws.
 
+mod arithmetic;
 mod camera;
 pub mod chart_edit;
 mod chart_image;
+pub mod chart_objects;
 mod colour;
 mod environment_image;
 mod fields;
@@ -124,7 +126,7 @@ impl Design {
         let mut faults = Vec::new();
         self.sheet.push_range_faults("sheet", &mut faults);
         self.weave.pattern.push_faults("weave.pattern", &mut faults);
-        self.chart.push_range_faults("chart", &mut faults);
+        self.chart.push_faults(&mut faults);
         self.length.push_faults(&mut faults);
         self.pile.push_range_faults("pile", &mut faults);
         self.turbulence.push_range_faults("turbulence", &mut faults);
@@ -260,6 +262,18 @@ impl Design {
                  neighbouring loops look unrelated"
             );
             warnings.push(Warning::new("turbulence.frequency", text));
+        }
+        for (index, object) in self.chart.object.iter().enumerate() {
+            let missing = match object.kind {
+                ObjectKind::Image if object.pixels.is_none() => "image",
+                ObjectKind::Text if object.outline.is_none() => "outline of its text",
+                _ => continue,
+            };
+            let text = format!(
+                "object {} of the chart has no {missing}: it draws nothing",
+                index + 1
+            );
+            warnings.push(Warning::new(&format!("chart.object[{index}]"), text));
         }
         if let Some(image) = &self.light.environment.pixels
             && image.mended() > 0

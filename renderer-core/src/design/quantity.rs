@@ -5,6 +5,8 @@
 
 use std::f64::consts::PI;
 
+use super::arithmetic::{Term, has_operator, read_sum};
+
 /// Units that measure the same thing, each by its names and its size in one of them.
 struct Kind {
     /// What they measure, in the plural.
@@ -81,7 +83,8 @@ const KINDS: &[Kind] = &[
     },
 ];
 
-/// Reads what was typed where a number in `unit` is expected, a whole one if `integer`; what it is in that unit.
+/// Reads what was typed where a number in `unit` is expected, a whole one if `integer`; what it is in that unit. Sums and
+/// products of numbers are read too: `140 cm / 3`.
 ///
 /// # Errors
 /// Why it cannot be read, as a sentence.
@@ -92,6 +95,32 @@ pub fn read_number(text: &str, unit: &str, integer: bool) -> Result<f64, String>
         return Err("A number is missing.".into());
     }
     let refused = |why: String| format!("“{}” {why}.", text.trim());
+    let single = read_one(typed, unit, integer).map(|term| term.value);
+    let value = match single {
+        Err(_) if has_operator(typed) => read_sum(
+            typed,
+            &|operand| read_one(operand, unit, integer),
+            &|name| in_unit(name, unit),
+        ),
+        single => single,
+    };
+    let value = value.map_err(&refused)?;
+    if !value.is_finite() {
+        return Err(refused("is too large for a number".into()));
+    }
+    if !integer {
+        return Ok(value);
+    }
+    // What units leave of rounding is no part.
+    let whole = value.round();
+    if (value - whole).abs() > 1e-9 * whole.abs().max(1.0) {
+        return Err(refused("is no whole number".into()));
+    }
+    Ok(whole)
+}
+
+/// Reads one number with its unit, or several as in `5' 6"`; what is wrong, as the end of a sentence about it.
+fn read_one(typed: &str, unit: &str, integer: bool) -> Result<Term, String> {
     let mut rest = typed;
     let sign = match rest.strip_prefix(['-', '+']) {
         Some(unsigned) if rest.starts_with('-') => {
@@ -106,36 +135,29 @@ pub fn read_number(text: &str, unit: &str, integer: bool) -> Result<f64, String>
     };
     let mut sum = 0.0;
     let mut parts = 0;
+    let mut has_unit = false;
     while !rest.is_empty() {
-        let (number, behind) = leading_number(rest, integer).map_err(&refused)?;
+        let (number, behind) = leading_number(rest, integer)?;
         let end = behind.find(|c: char| c.is_ascii_digit());
         let (name, next) = behind.split_at(end.unwrap_or(behind.len()));
         let name = name.trim();
         if name.is_empty() && (parts > 0 || !next.is_empty()) {
-            return Err(refused("is more than one number".into()));
+            return Err("is more than one number".into());
         }
+        has_unit |= !name.is_empty();
         let factor = if name.is_empty() {
             1.0
         } else {
-            in_unit(name, unit).map_err(&refused)?
+            in_unit(name, unit)?
         };
         sum += number * factor;
         parts += 1;
         rest = next;
     }
-    let value = sign * sum;
-    if !value.is_finite() {
-        return Err(refused("is too large for a number".into()));
-    }
-    if !integer {
-        return Ok(value);
-    }
-    // What units leave of rounding is no part.
-    let whole = value.round();
-    if (value - whole).abs() > 1e-9 * whole.abs().max(1.0) {
-        return Err(refused("is no whole number".into()));
-    }
-    Ok(whole)
+    Ok(Term {
+        value: sign * sum,
+        has_unit,
+    })
 }
 
 /// How many of a field's unit one of the named is.

@@ -5,6 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::chart_objects::GlyphPath;
 use super::fields::{Fault, Field, Numbers, section};
 use super::{ChartImage, Colour, EnvironmentImage, HeightImage, Pattern, Shape, Shaped};
 
@@ -193,9 +194,159 @@ section! {
             /// Colour of all loops where there is no image, also around one that is placed: what the finished cloth
             /// reflects.
             colour: Colour = Colour::WHITE;
+            /// Lines to align objects by: how far each lies right of the chart's middle, mm.
+            #[serde(skip_serializing_if = "Vec::is_empty")]
+            guides_x: Vec<f64> = Vec::new();
+            /// Lines to align objects by: how far each lies beyond the chart's middle, away from the near edge, mm.
+            #[serde(skip_serializing_if = "Vec::is_empty")]
+            guides_y: Vec<f64> = Vec::new();
+            /// What lies on the chart, the lowest first: drawn over the image, or over the colour where there is none,
+            /// and editable until it is flattened.
+            #[serde(skip_serializing_if = "Vec::is_empty")]
+            object: Vec<ChartObject> = Vec::new();
             /// The decoded image; read and written by the program's file layer, never by serde.
             #[serde(skip)]
             pixels: Option<ChartImage> = None;
+        }
+    }
+}
+
+choice! {
+    /// What an object of a chart is.
+    ObjectKind {
+        /// A rectangle.
+        Rectangle = "rectangle",
+        /// An ellipse.
+        Ellipse = "ellipse",
+        /// A straight line, as long as it is wide; its height is how thick it is, at least a crossing.
+        Line = "line",
+        /// A stripe from side to side; its height is how broad it is.
+        StripeAcross = "stripe across",
+        /// A stripe from the near edge to the far one; its width is how broad it is.
+        StripeAlong = "stripe along",
+        /// Letters.
+        Text = "text",
+        /// A picture.
+        Image = "image",
+    }
+}
+
+section! {
+    /// Something on a chart, in mm of the cloth: x to the right and y away from the near edge, from the chart's middle. It
+    /// has the same size whatever the weave; how many loops that is, follows from it.
+    ChartObject, ChartObjectFields {
+        numbers {
+            /// How far its middle lies right of the chart's.
+            x: f64 = 0.0, -1_000_000.0..=1_000_000.0, "mm";
+            /// How far its middle lies beyond the chart's, away from the near edge.
+            y: f64 = 0.0, -1_000_000.0..=1_000_000.0, "mm";
+            /// How wide it is, before it is turned.
+            width: f64 = 50.0, 0.01..=1_000_000.0, "mm";
+            /// How high it is, before it is turned.
+            height: f64 = 50.0, 0.01..=1_000_000.0, "mm";
+            /// Turns it about its middle, anticlockwise.
+            rotation: f64 = 0.0, -360.0..=360.0, "°";
+            /// Width of the outline that a rectangle or an ellipse is drawn as; 0 fills it.
+            border: f64 = 0.0, 0.0..=1_000_000.0, "mm";
+            /// How much of what lies below it hides; less than 1 mixes colours that are no yarns.
+            opacity: f64 = 1.0, 0.0..=1.0, "";
+            /// How far a colour may be from the transparent one and still count as it: distance in Oklab.
+            tolerance: f64 = 0.05, 0.0..=1.0, "";
+            /// How often it stands side by side.
+            repeat_x: u32 = 1, 1..=500, "times";
+            /// How often it stands one beyond the other.
+            repeat_y: u32 = 1, 1..=500, "times";
+            /// How far the middle of one repeat lies right of the one before.
+            step_x: f64 = 100.0, -1_000_000.0..=1_000_000.0, "mm";
+            /// How far the middle of one repeat lies beyond the one before.
+            step_y: f64 = 100.0, -1_000_000.0..=1_000_000.0, "mm";
+        }
+        others {
+            /// What it is.
+            kind: ObjectKind = ObjectKind::Rectangle;
+            /// Its colour, unless it is an image.
+            colour: Colour = Colour([0x1f, 0x3a, 0x6e]);
+            /// Plants no loops, so that the ground weave is seen, instead of having a colour.
+            bare: bool = false;
+            /// Exchanges its left and right.
+            mirror_x: bool = false;
+            /// Exchanges its far and near side.
+            mirror_y: bool = false;
+            /// It and its repeats stand once more, mirrored about the chart's middle from left to right.
+            reflect_x: bool = false;
+            /// It and its repeats stand once more, mirrored about the chart's middle from the near to the far side.
+            reflect_y: bool = false;
+            /// An image's loops have the mean colour of the pixels around them: for photographs. Without it a loop has the
+            /// colour of the one pixel at its middle.
+            average: bool = false;
+            /// Path of the image, relative to the preset, read as `chart.image` is.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            image: Option<String> = None;
+            /// What is written.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            text: Option<String> = None;
+            /// Name of the font that the text's outline was taken from.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            font: Option<String> = None;
+            /// Outline of the text, so that it looks the same where the font is missing: M x y, L x y, Q x y x y,
+            /// C x y x y x y and Z, y upwards; its bounds are stretched over the object. Left out, it is made from the
+            /// font.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            outline: Option<String> = None;
+            /// The colour of an image that counts as transparent.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            transparent: Option<Colour> = None;
+            /// The decoded image; read and written by the program's file layer, never by serde.
+            #[serde(skip)]
+            pixels: Option<ChartImage> = None;
+        }
+    }
+}
+
+impl ChartObject {
+    /// Most objects of a chart.
+    pub const MAX: usize = 200;
+}
+
+impl Chart {
+    pub(super) fn push_faults(&self, faults: &mut Vec<Fault>) {
+        self.push_range_faults("chart", faults);
+        let mut fault = |path: String, value: String, allowed: String| {
+            faults.push(Fault {
+                path,
+                value,
+                allowed,
+            });
+        };
+        if self.object.len() > ChartObject::MAX {
+            fault(
+                "chart.object".into(),
+                format!("{} objects", self.object.len()),
+                format!("at most {} objects", ChartObject::MAX),
+            );
+        }
+        for (name, guides) in [("guides_x", &self.guides_x), ("guides_y", &self.guides_y)] {
+            for (index, guide) in guides.iter().enumerate() {
+                if !(-1e6..=1e6).contains(guide) {
+                    fault(
+                        format!("chart.{name}[{index}]"),
+                        guide.to_string(),
+                        "-1000000 to 1000000 mm".into(),
+                    );
+                }
+            }
+        }
+        for (index, object) in self.object.iter().enumerate() {
+            if let Some(Err(what)) = object.outline.as_deref().map(GlyphPath::read) {
+                fault(
+                    format!("chart.object[{index}].outline"),
+                    what,
+                    GlyphPath::ALLOWED.into(),
+                );
+            }
+        }
+        for (index, object) in self.object.iter().enumerate() {
+            object.push_range_faults(&format!("chart.object[{index}]"), faults);
         }
     }
 }

@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
-use super::ChartOnSheet;
+use super::{ChartComposer, ChartOnSheet};
 use crate::design::chart_edit::{BARE, LoopsPerPixel, YarnCount, YarnCounts};
 use crate::design::{Chart, ChartImage, Colour, Design, Fit, Warning, Weave};
 
 /// Counts the yarns of a design's chart, and again what changed of them.
 #[derive(Default)]
 pub struct ChartYarns {
+    composer: ChartComposer,
     counts: YarnCounts,
     loops: Option<(Laid, Arc<LoopsPerPixel>)>,
 }
@@ -66,8 +67,18 @@ impl ChartYarns {
         loops
     }
 
+    /// The yarns of a design's chart with its objects, as [`Self::of`]; none where the cloth has but one colour.
+    pub fn of_design(&mut self, design: &Design) -> Option<Vec<YarnCount>> {
+        let design = &*self.composer.design(design);
+        let Some(image) = &design.chart.pixels else {
+            return Some(Vec::new());
+        };
+        self.of(design, image).map(<[YarnCount]>::to_vec)
+    }
+
     /// What of a design's chart no loop shows, or too few; `None` where all is well.
     pub fn warning(&mut self, design: &Design) -> Option<Warning> {
+        let design = &*self.composer.design(design);
         let image = design.chart.pixels.as_ref()?;
         let text = match self.of(design, image) {
             Some(yarns) => lost_yarns(yarns)?,

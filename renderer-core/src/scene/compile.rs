@@ -28,6 +28,7 @@ use std::time::Instant;
 
 use super::cancel::{Cancel, Cancelled};
 use super::chart::ChartOnSheet;
+use super::chart_composer::ChartComposer;
 use super::chart_yarns::ChartYarns;
 use super::faces::LoopSpacing;
 use super::finish::{Finishing, wet_pile};
@@ -110,6 +111,7 @@ pub struct Compiler {
     options: CompilerOptions,
     /// The last whole scene.
     scene: Option<Arc<Scene>>,
+    composer: ChartComposer,
     cells: Option<(CellsInputs, Cells)>,
     turbulence: Option<(TurbulenceInputs, Arc<TurbulenceField>)>,
     loops: Option<(LoopsInputs, Section<Loops>)>,
@@ -264,6 +266,7 @@ impl Compiler {
     /// Whether the loops of a design, or of a region of it, are there already, so that a scene for a coarse preview
     /// saves nothing.
     pub fn has_loops_of(&mut self, whole: &Design, region: Option<LodRegion>) -> bool {
+        let whole = &*self.composer.design(whole);
         let shrunk = region.map(|region| region.design(whole));
         let design = shrunk.as_ref().unwrap_or(whole);
         let sheet = sheet_of(design, region);
@@ -293,6 +296,7 @@ impl Compiler {
         if !self.options.keeps_unchanged {
             *self = Self::new(self.options);
         }
+        let whole = &*self.composer.design(whole);
         let shrunk = region.map(|region| region.design(whole));
         let design = shrunk.as_ref().unwrap_or(whole);
         let last = self.scene.clone();
@@ -365,8 +369,9 @@ impl Compiler {
     ) -> Result<Vec<Warning>, CompileError> {
         self.report = CompileReport::default();
         check(whole, region)?;
-        let shrunk = region.map(|region| region.design(whole));
-        let design = shrunk.as_ref().unwrap_or(whole);
+        let composed = self.composer.design(whole);
+        let shrunk = region.map(|region| region.design(&composed));
+        let design = shrunk.as_ref().unwrap_or(&composed);
         let shape = self.shape(design, region, None, cancel)?;
         let warnings = warnings_of_loops(
             whole,
@@ -389,6 +394,7 @@ impl Compiler {
         cancel: &Cancel<'_>,
     ) -> Result<usize, CompileError> {
         check(whole, Some(region))?;
+        let whole = &*self.composer.design(whole);
         let shape = self.shape(&region.design(whole), Some(region), None, cancel)?;
         Ok(shape.loops.entries.len())
     }

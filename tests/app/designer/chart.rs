@@ -11,7 +11,8 @@ use egui::{Color32, ColorImage, Event, Key, Modifiers, PointerButton, Pos2, Vec2
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use renderer_core::design::chart_edit::{BARE, crop, replace_yarn, rotate_right};
-use renderer_core::design::{ChartImage, Fit, LengthMap};
+use renderer_core::design::chart_objects::ChartCanvas;
+use renderer_core::design::{ChartImage, Design, Fit, LengthMap};
 use towel_designer::designer::App;
 use towel_designer::files;
 
@@ -31,7 +32,7 @@ fn two_yarns() -> ChartImage {
     ChartImage::from_fn(8, 4, |x, _| if x < 4 { RED } else { CREAM }).unwrap()
 }
 
-fn write(image: &ChartImage, path: &Path) {
+pub(super) fn write(image: &ChartImage, path: &Path) {
     let png = renderer_core::image::encode_chart_png(image, &[]).unwrap();
     std::fs::write(path, png).unwrap();
 }
@@ -40,12 +41,12 @@ fn pixels(harness: &Harness<'_, App>) -> ChartImage {
     design(harness).chart.pixels.clone().expect("a chart")
 }
 
-fn undo_name(harness: &Harness<'_, App>) -> String {
+pub(super) fn undo_name(harness: &Harness<'_, App>) -> String {
     let name = harness.state().document().undo_name();
     name.unwrap_or_default().to_owned()
 }
 
-fn undo(harness: &mut Harness<'_, App>) {
+pub(super) fn undo(harness: &mut Harness<'_, App>) {
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     harness.run_steps(3);
 }
@@ -63,7 +64,7 @@ fn with_chart(image: &ChartImage, folder: &Path, size: Vec2) -> Harness<'static,
     harness
 }
 
-fn drop_file(harness: &mut Harness<'_, App>, path: &Path) {
+pub(super) fn drop_file(harness: &mut Harness<'_, App>, path: &Path) {
     let dropped = Arc::new(Dropped(path.to_owned()));
     harness.input_mut().dropped_files.push(dropped);
 }
@@ -77,16 +78,21 @@ fn with_editor(image: &ChartImage, folder: &Path) -> Harness<'static, App> {
 }
 
 /// Place on the screen of the middle of a pixel, of a chart that is seen whole.
-fn on_canvas(harness: &Harness<'_, App>, x: f32, y: f32) -> Pos2 {
+pub(super) fn on_canvas(harness: &Harness<'_, App>, x: f32, y: f32) -> Pos2 {
     let rect = harness
         .get_by_role_and_label(Role::Canvas, "Chart canvas")
         .rect();
-    let image = pixels(harness);
-    let size = vec2(image.width() as f32, image.height() as f32);
-    let scale = ((rect.size() - Vec2::splat(16.0)) / size)
+    let Design { chart, sheet, .. } = design(harness);
+    let canvas = ChartCanvas::of(chart, sheet);
+    let size = canvas.size.map(|side| side as f32);
+    let size = vec2(size[0], size[1]);
+    // Pixels are as wide and high as on the cloth.
+    let [width, height] = canvas.pixel_mm.map(|side| side as f32);
+    let shape = vec2(width, height) / (width * height).sqrt();
+    let scale = ((rect.size() - Vec2::splat(16.0)) / (size * shape))
         .min_elem()
         .clamp(0.02, 32.0);
-    rect.center() + (vec2(x + 0.5, y + 0.5) - size / 2.0) * scale
+    rect.center() + (vec2(x + 0.5, y + 0.5) - size / 2.0) * scale * shape
 }
 
 fn drag(harness: &mut Harness<'_, App>, from: [f32; 2], to: [f32; 2]) {
@@ -603,17 +609,17 @@ fn broken_and_too_large_images_are_refused_and_the_old_chart_stays() {
         (
             "half.png",
             Some(&good[..good.len() / 2]),
-            "half.png: chart image: is broken",
+            "half.png: picture on the chart: is broken",
         ),
         (
             "text.jpg",
             Some(&b"no image"[..]),
-            "text.jpg: chart image: is none of PNG, JPEG, WebP",
+            "text.jpg: picture on the chart: is none of PNG, JPEG, WebP",
         ),
         (
             "empty.png",
             Some(&b""[..]),
-            "empty.png: chart image: is none of PNG",
+            "empty.png: picture on the chart: is none of PNG",
         ),
         (
             "large.png",
@@ -627,11 +633,11 @@ fn broken_and_too_large_images_are_refused_and_the_old_chart_stays() {
         }
         drop_file(&mut harness, &path);
         wait(&mut harness, name, |h| {
-            h.query_by_label("Chart not opened").is_some()
+            h.query_by_label("Picture not opened").is_some()
         });
         assert!(harness.query_by_label_contains(message).is_some(), "{name}");
         assert_eq!(*design(&harness), before);
-        click(&mut harness, "Dismiss: Chart not opened");
+        click(&mut harness, "Dismiss: Picture not opened");
     }
 }
 
@@ -664,9 +670,11 @@ fn a_weavers_bmp_is_dropped_and_of_a_damaged_photo_a_warning_stays() {
     let jpeg = jpeg_of_blocks(&[&[90], &[200]]);
     std::fs::write(&path, &jpeg[..jpeg.len() - 2]).unwrap();
     drop_file(&mut harness, &path);
-    wait(&mut harness, "the photo", |h| pixels(h).width() == 16);
+    wait(&mut harness, "the photo", |h| {
+        !design(h).chart.object.is_empty()
+    });
     harness.run_steps(20);
-    let says = "photo.jpg: chart image: ends in the middle of its picture";
+    let says = "photo.jpg: picture on the chart: ends in the middle of its picture";
     assert!(harness.query_by_label_contains(says).is_some());
     click(&mut harness, "Dismiss: Opened with a warning");
     assert!(harness.query_by_label_contains(says).is_none());

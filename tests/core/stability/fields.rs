@@ -6,7 +6,9 @@ use std::time::{Duration, Instant};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use renderer_core::cpu::CpuBackend;
-use renderer_core::design::{AreaLight, Design, Entry, LengthEntry, Method, Shape, Shaped, preset};
+use renderer_core::design::{
+    AreaLight, ChartObject, Design, Entry, LengthEntry, Method, Shape, Shaped, preset,
+};
 use renderer_core::gpu::GpuBackend;
 use renderer_core::render::{Backend, RenderError};
 use renderer_core::scene::compile;
@@ -26,6 +28,7 @@ fn small() -> Design {
     (pile.layers, pile.resolution, pile.variants, pile.fibres) = (3, 6, 2, 10);
     design.length.table = vec![LengthEntry::default()];
     design.light.area = vec![AreaLight::default()];
+    design.chart.object = vec![ChartObject::default()];
     design.view.cameras[0].distance = 14.0;
     design.quality.method = Method::Tracked;
     design.quality.bounces = 3;

@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 use renderer_core::design::Design;
+use renderer_core::scene::ChartComposer;
 
 use super::arguments::{self, BadArgument};
 use super::read_design;
@@ -88,7 +89,9 @@ fn open(arguments: &ExportArguments) -> anyhow::Result<Design> {
     let output = UsedFile::new(&arguments.output, "the file to write (-o)");
     files::check_apart(&opened.read, &[output])?;
     files::check_writable(&arguments.output)?;
-    Ok(opened.design)
+    // Objects on the chart are drawn once.
+    let design = ChartComposer::default().design(&opened.design).into_owned();
+    Ok(design)
 }
 
 /// The output's extension, which must be one of `allowed`.

@@ -56,9 +56,11 @@ impl App {
             }
         }
         let mut step_name = None;
+        let woven = self.composer.chart(&self.document.design);
         let mut around = Surroundings {
             faults: &faults,
             warnings: &warnings,
+            woven: &woven,
             camera: &self.viewport.camera,
             commands: &mut self.shell.commands,
             thumbnails: &mut self.thumbnails,

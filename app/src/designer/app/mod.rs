@@ -21,6 +21,7 @@ use std::time::Duration;
 use eframe::CreationContext;
 use egui::{Context, Ui, ViewportCommand};
 use renderer_core::gpu::DeviceWatch;
+use renderer_core::scene::ChartComposer;
 
 pub use character_map::has_glyph;
 pub use system_fonts::{use_fonts, use_system_fonts};
@@ -30,11 +31,12 @@ pub use window_handoff::{WindowHandoff, run};
 use super::Setup;
 use super::document::Document;
 use super::export::Export;
+use super::new_design::NewDesign;
 use super::panels::Panels;
 use super::presets::Presets;
 use super::presets::thumbnails::ThumbnailRenderer;
 use super::shell::Shell;
-use super::shell::command;
+use super::shell::command::{self, Command};
 use super::shell::dialogs::Dialogs;
 use super::shell::help;
 use super::viewport::Viewport;
@@ -49,7 +51,9 @@ pub struct App {
     panels: Panels,
     presets: Presets,
     thumbnails: ThumbnailRenderer,
+    composer: ChartComposer,
     export: Export,
+    new_design: NewDesign,
     shell: Shell,
     window: WindowState,
 }
@@ -78,6 +82,8 @@ impl App {
             panels: Panels::with_open(filing.settings.open_panels.clone()),
             presets: Presets::new(ctx, setup.folders.clone()),
             thumbnails: ThumbnailRenderer::new(Arc::clone(&setup.make), ctx.clone()),
+            composer: ChartComposer::default(),
+            new_design: NewDesign::default(),
             export: Export::new(setup.choice, setup.make, setup.denoiser),
             shell: Shell::new(Dialogs::new(setup.system_dialogs)),
             window: WindowState::default(),
@@ -199,6 +205,9 @@ impl App {
     /// Shows what stands over the window: export, dialogs, questions, help.
     fn show_windows(&mut self, ctx: &Context) {
         self.take_export(ctx);
+        if let Some(design) = self.new_design.show(ctx) {
+            self.shell.commands.push(Command::Start(Box::new(design)));
+        }
         self.take_dialog(ctx);
         self.ask_to_save(ctx);
         self.ask_question(ctx);

@@ -1,4 +1,4 @@
-//! Images from the clipboard: pasted, they become the chart.
+//! Images from the clipboard: pasted, they become the chart, or lie on the one that there is.
 //!
 //! Ctrl+V comes as an event, with the image or with text; where the clipboard has neither there is no event. The button
 //! asks for the same event and, when none comes, says so.
@@ -31,6 +31,7 @@ impl App {
         if let Some(image) = image {
             self.shell.pasting = None;
             match chart_of(&image) {
+                Ok(pixels) if self.has_chart() => self.add_picture(pixels, None),
                 Ok(pixels) => {
                     put(&mut self.document.design.chart, pixels);
                     self.document.name_step("paste chart".into());

@@ -30,6 +30,7 @@ impl App {
     pub(super) fn perform(&mut self, ctx: &Context, command: Command) {
         match command {
             Command::New
+            | Command::Start(_)
             | Command::Open
             | Command::OpenPreset(_)
             | Command::OpenShipped(_)
@@ -48,12 +49,14 @@ impl App {
                 self.set_scale(ctx, percent);
             }
             Command::Theme(theme) => self.set_theme(ctx, theme),
+            Command::Units(units) => self.set_units(ctx, units),
             Command::ShowPresets(shows) => self.filing.settings.shows_presets = Some(shows),
             Command::ClearRecent => self.filing.settings.recent.clear(),
             Command::Export => {
                 let design = &self.document.design;
                 self.export.open(design, self.viewport.size());
             }
+            Command::AskForNew => self.new_design.is_open = true,
             Command::Undo => self.document.undo(),
             Command::Redo => self.document.redo(),
             Command::OpenImage(slot) => {
@@ -62,6 +65,7 @@ impl App {
                 self.shell.dialogs.ask(purpose, &folder, "", ctx);
             }
             Command::UseImage(slot, path) => self.load_image(ctx, slot, path),
+            Command::AddPicture(path) => self.load_picture(ctx, path),
             Command::PasteChart => self.ask_to_paste(ctx),
             Command::EditChart => self.panels.toggle_chart_editor(),
             Command::MoveNetPoint { row, column, to } => {

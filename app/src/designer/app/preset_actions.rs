@@ -48,7 +48,7 @@ impl App {
             }
             PresetCommand::Save(name) => {
                 let design = &self.document.design;
-                let has_image = ImageSlot::ALL.iter().any(|slot| slot.has_pixels(design));
+                let has_image = ImageSlot::of(design).any(|slot| slot.has_pixels(design));
                 let ending = if has_image { BUNDLE_ENDING } else { "toml" };
                 let path = folder.join(format!("{name}.{ending}"));
                 if let Some(fault) = fault_of_name(&name) {

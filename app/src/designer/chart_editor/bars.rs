@@ -6,13 +6,13 @@ use egui::{
 use renderer_core::design::chart_edit::{
     BARE, LARGEST_BRUSH, Resampling, YarnCount, flip_x, flip_y, resize, rotate_right,
 };
-use renderer_core::design::{Chart, ChartImage, Colour, Design, Fit, Sheet};
+use renderer_core::design::{Chart, ChartImage, ChartObject, Colour, Design, Fit, Sheet};
 use renderer_core::scene::{ChartOnSheet, ChartYarns};
 
 use super::canvas::{ZOOM_STEP, colour_at, crop_marked, marked_part};
 use super::work::put;
 use super::yarn_name::yarn_name;
-use super::{ChartEditor, Tool};
+use super::{ChartEditor, Tool, has_canvas};
 use crate::designer::widgets::style;
 use crate::designer::widgets::{Icon, IconButton, NumberField, check_box, colour_well};
 
@@ -83,15 +83,21 @@ pub fn show(
             }
         });
     });
-    let image = design.chart.pixels.clone()?;
-    let swatches = yarns.of(design, &image).unwrap_or_default().to_vec();
+    if !has_canvas(&design.chart) {
+        return None;
+    }
+    let image = design.chart.pixels.clone();
+    let swatches = yarns.of_design(design).unwrap_or_default();
+    editor.offer_paint(&design.chart, &swatches);
     let Design { chart, sheet, .. } = design;
     ui.add_enabled_ui(!editor.work.is_busy(), |ui| {
         ui.horizontal_wrapped(|ui| {
             tools(ui, editor);
             ui.separator();
-            changes(ui, editor, &image);
-            resize_form(ui, editor, &image, sheet);
+            if let Some(image) = &image {
+                changes(ui, editor, image);
+                resize_form(ui, editor, image, sheet);
+            }
             let new = ui.button("New");
             if new
                 .on_hover_text("Starts an empty chart: a pixel for every crossing of the cloth, in the colour chosen \
@@ -102,21 +108,25 @@ pub fn show(
                 name = Some("new chart".into());
             }
         });
-        ui.horizontal_wrapped(|ui| colours(ui, editor, &swatches));
-        crop_row(ui, editor, &image);
+        ui.horizontal_wrapped(|ui| colours(ui, editor, &mut chart.object, &swatches));
+        if let Some(image) = &image {
+            crop_row(ui, editor, image);
+        }
     });
     name
 }
 
 fn tools(ui: &mut Ui, editor: &mut ChartEditor) {
     ui.spacing_mut().item_spacing.x = 2.0;
-    for (tool, icon, name, what) in Tool::ALL {
-        let button = IconButton::new(icon, name, what).on(editor.tool == tool);
-        if ui.add(button).clicked() {
-            editor.tool = tool;
+    for group in [Tool::ALL, Tool::OBJECTS] {
+        for (tool, icon, name, what) in group {
+            let button = IconButton::new(icon, name, what).on(editor.tool == tool);
+            if ui.add(button).clicked() {
+                editor.tool = tool;
+            }
         }
+        ui.add_space(6.0);
     }
-    ui.add_space(4.0);
     let brush = NumberField::new(&mut editor.brush, "px", 1..=LARGEST_BRUSH).speed(0.1);
     brush
         .suffix(" px")
@@ -236,7 +246,30 @@ fn side(ui: &mut Ui, value: &mut usize, name: &str) -> bool {
     side.show(ui).accessible_name(name).changed()
 }
 
-fn colours(ui: &mut Ui, editor: &mut ChartEditor, yarns: &[YarnCount]) {
+/// The colour to paint with, which the chosen object takes too.
+fn colours(
+    ui: &mut Ui,
+    editor: &mut ChartEditor,
+    objects: &mut [ChartObject],
+    yarns: &[YarnCount],
+) {
+    let before = editor.colour;
+    paints(ui, editor, yarns);
+    let chosen = editor
+        .objects
+        .selected
+        .and_then(|index| objects.get_mut(index));
+    if let Some(object) = chosen.filter(|_| before != editor.colour && editor.tool == Tool::Select)
+    {
+        let [r, g, b, alpha] = editor.colour;
+        object.bare = alpha == 0;
+        if !object.bare {
+            object.colour = Colour([r, g, b]);
+        }
+    }
+}
+
+fn paints(ui: &mut Ui, editor: &mut ChartEditor, yarns: &[YarnCount]) {
     let [r, g, b, alpha] = editor.colour;
     let mut rgb = [r, g, b];
     let label = ui.label("Paint");

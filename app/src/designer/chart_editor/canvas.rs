@@ -11,11 +11,13 @@ use egui::{
 use renderer_core::design::chart_edit::{
     LARGEST_BRUSH, crop, draw_line, outline_rectangle, yarn_of,
 };
-use renderer_core::design::{Chart, ChartImage, Fit, Sheet};
+use renderer_core::design::chart_objects::ChartCanvas;
+use renderer_core::design::{Chart, ChartImage, Design, Fit, Sheet};
 
+use super::object_gestures::{self, View};
 use super::pyramid::{Placement, Pyramid};
 use super::work::put;
-use super::{ChartEditor, Tool};
+use super::{ChartEditor, Tool, bars, chart_canvas, overlay, rulers};
 use crate::designer::widgets::PointerWay;
 use crate::designer::widgets::shapes::{connected, squared, straightened};
 use crate::designer::widgets::style;
@@ -33,7 +35,7 @@ const LEAP: i32 = 10;
 #[derive(Default)]
 pub struct Canvas {
     pyramid: Pyramid,
-    /// Points for a pixel; `None` fits the chart in.
+    /// Points for a pixel, the mean of its width and height; `None` fits the chart in.
     pub scale: Option<f32>,
     /// What of the chart lies in the middle, pixels.
     middle: Pos2,
@@ -67,14 +69,16 @@ impl Canvas {
         self.scale = Some(scale.clamp(*SCALES.start(), *SCALES.end()));
     }
 
-    fn placement(&mut self, rect: Rect, image: &ChartImage) -> Placement {
-        let size = vec2(image.width() as f32, image.height() as f32);
+    fn placement(&mut self, rect: Rect, canvas: &ChartCanvas) -> Placement {
+        let size = vec2(canvas.size[0] as f32, canvas.size[1] as f32);
+        let shape = pixel_shape(canvas);
         let scale = *self.scale.get_or_insert_with(|| {
             self.middle = (size / 2.0).to_pos2();
-            let fitting = (rect.size() - Vec2::splat(16.0)) / size;
+            let fitting = (rect.size() - Vec2::splat(16.0)) / (size * shape);
             fitting.min_elem().clamp(*SCALES.start(), 32.0)
         });
         self.middle = self.middle.clamp(Pos2::ZERO, size.to_pos2());
+        let scale = scale * shape;
         Placement {
             corner: rect.center() - self.middle.to_vec2() * scale,
             scale,
@@ -82,29 +86,56 @@ impl Canvas {
     }
 }
 
-/// Shows the canvas in all of `ui`, and edits the chart.
-pub fn show(ui: &mut Ui, editor: &mut ChartEditor, chart: &mut Chart, sheet: &Sheet) -> Response {
-    let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
-    let Some(image) = chart.pixels.clone() else {
-        return response;
-    };
-    let mut placement = editor.canvas.placement(rect, &image);
-    if move_view(ui, editor, &response, placement) {
-        placement = editor.canvas.placement(rect, &image);
+/// Width and height of a pixel on the cloth as shares of their mean, so that a circle on the canvas is one on the cloth.
+fn pixel_shape(canvas: &ChartCanvas) -> Vec2 {
+    let [width, height] = canvas.pixel_mm;
+    let mean = (width * height).sqrt();
+    let shape = vec2((width / mean) as f32, (height / mean) as f32);
+    if shape.is_finite() {
+        shape
+    } else {
+        Vec2::splat(1.0)
     }
+}
+
+/// Shows the canvas and its rulers in all of `ui`, and edits the chart.
+pub fn show(ui: &mut Ui, editor: &mut ChartEditor, design: &mut Design) -> Response {
+    let whole = ui.available_rect_before_wrap();
+    let breadth = Vec2::splat(rulers::BREADTH).min(whole.size());
+    let rect = Rect::from_min_max(whole.min + breadth, whole.max);
+    let response = ui.allocate_rect(rect, Sense::click_and_drag());
+    let canvas = chart_canvas(design);
+    let mut view = View {
+        canvas,
+        placement: editor.canvas.placement(rect, &canvas),
+    };
+    if move_view(ui, editor, &response, &view) {
+        view.placement = editor.canvas.placement(rect, &canvas);
+    }
+    let placement = view.placement;
     let at = |at: Pos2| {
         let place = (at - placement.corner) / placement.scale;
         [place.x.floor() as i32, place.y.floor() as i32]
     };
+    let top = Rect::from_min_max(pos2(rect.left(), whole.top()), rect.right_top());
+    let left = Rect::from_min_max(pos2(whole.left(), rect.top()), rect.left_bottom());
+    rulers::show(ui, editor, design, &view, top, rect, 0);
+    rulers::show(ui, editor, design, &view, left, rect, 1);
     if !editor.work.is_busy() {
-        pointer(ui, editor, &response, chart, at);
-        keyboard(ui, editor, &response, chart, rect);
+        let is_for_objects = editor.tool.is_for_objects();
+        if is_for_objects {
+            object_gestures::pointer(ui, editor, &response, &mut design.chart, &view);
+        } else {
+            pointer(ui, editor, &response, design, at);
+        }
+        keyboard(ui, editor, &response, design, rect);
     }
     let hovered = response.hover_pos().map(at);
-    paint(ui, editor, &response, chart, sheet, placement, hovered);
+    paint(ui, editor, &response, design, &view, hovered);
+    let chart = &design.chart;
     editor.under = hovered
         .or_else(|| response.has_focus().then_some(editor.canvas.cursor))
-        .filter(|&place| inside(&image, place).is_some());
+        .filter(|&place| inside(&canvas, place).is_some());
     let cursor = editor.canvas.cursor;
     response.widget_info(|| WidgetInfo {
         current_text_value: Some(format!(
@@ -115,11 +146,20 @@ pub fn show(ui: &mut Ui, editor: &mut ChartEditor, chart: &mut Chart, sheet: &Sh
         )),
         ..WidgetInfo::labeled(Role::Canvas, ui.is_enabled(), "Chart canvas")
     });
+    if editor.tool.is_for_objects() {
+        return response;
+    }
     response.on_hover_cursor(CursorIcon::Crosshair)
 }
 
 /// A place as a pixel of the chart, if it is one.
-fn inside(image: &ChartImage, [x, y]: [i32; 2]) -> Option<[usize; 2]> {
+fn inside(canvas: &ChartCanvas, [x, y]: [i32; 2]) -> Option<[usize; 2]> {
+    let (x, y) = (usize::try_from(x).ok()?, usize::try_from(y).ok()?);
+    (x < canvas.size[0] && y < canvas.size[1]).then_some([x, y])
+}
+
+/// As [`inside`], for an image.
+fn inside_image(image: &ChartImage, [x, y]: [i32; 2]) -> Option<[usize; 2]> {
     let (x, y) = (usize::try_from(x).ok()?, usize::try_from(y).ok()?);
     (x < image.width() && y < image.height()).then_some([x, y])
 }
@@ -127,7 +167,7 @@ fn inside(image: &ChartImage, [x, y]: [i32; 2]) -> Option<[usize; 2]> {
 /// What the chart has at a place, as text.
 pub fn colour_at(chart: &Chart, place: [i32; 2]) -> Option<String> {
     let image = chart.pixels.as_ref()?;
-    let [x, y] = inside(image, place)?;
+    let [x, y] = inside_image(image, place)?;
     Some(match yarn_of(image.pixel(x, y)) {
         [r, g, b, 255] => format!("#{r:02x}{g:02x}{b:02x}"),
         _ => "bare".into(),
@@ -155,8 +195,8 @@ pub fn crop_marked(ctx: &Context, editor: &mut ChartEditor, image: &ChartImage) 
 }
 
 /// Pans and zooms. Returns whether the view has moved.
-fn move_view(ui: &Ui, editor: &mut ChartEditor, response: &Response, placement: Placement) -> bool {
-    let canvas = &mut editor.canvas;
+fn move_view(ui: &Ui, editor: &mut ChartEditor, response: &Response, view: &View) -> bool {
+    let (canvas, placement) = (&mut editor.canvas, view.placement);
     let before = (canvas.scale, canvas.middle);
     if response.dragged_by(PointerButton::Middle) || response.dragged_by(PointerButton::Secondary) {
         canvas.middle -= response.drag_delta() / placement.scale;
@@ -166,10 +206,12 @@ fn move_view(ui: &Ui, editor: &mut ChartEditor, response: &Response, placement: 
         let (scroll, pinch) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
         let factor = pinch * (scroll / 200.0).exp();
         if factor != 1.0 {
-            let scale = (placement.scale * factor).clamp(*SCALES.start(), *SCALES.end());
+            let shape = pixel_shape(&view.canvas);
+            let scale = placement.scale.x / shape.x * factor;
+            let scale = scale.clamp(*SCALES.start(), *SCALES.end());
             // What lies under the pointer stays there.
             let under = (at - placement.corner) / placement.scale;
-            let from_middle = (at - response.rect.center()) / scale;
+            let from_middle = (at - response.rect.center()) / (scale * shape);
             canvas.middle = (under - from_middle).to_pos2();
             canvas.scale = Some(scale);
         }
@@ -181,14 +223,14 @@ fn pointer(
     ui: &Ui,
     editor: &mut ChartEditor,
     response: &Response,
-    chart: &mut Chart,
+    design: &mut Design,
     at: impl Fn(Pos2) -> [i32; 2],
 ) {
     if let (true, Some(now)) = (
         response.clicked_by(PointerButton::Secondary),
         response.interact_pointer_pos(),
     ) {
-        pick(editor, chart, at(now));
+        pick(editor, design, at(now));
         return;
     }
     let is_under_way = (editor.canvas.gesture.as_ref()).is_some_and(|gesture| !gesture.by_keys);
@@ -204,24 +246,30 @@ fn pointer(
     if !is_under_way {
         response.request_focus();
         if ui.input(|i| i.modifiers.alt) {
-            pick(editor, chart, first);
+            pick(editor, design, first);
             return;
         }
         editor.canvas.cursor = first;
-        begin(editor, chart, first, false);
+        begin(editor, design, first, false);
     }
     let shift = ui.input(|i| i.modifiers.shift);
     // Of a shape only its ends count, and it may cover a large chart.
     let is_stroke = editor.tool == Tool::Pencil;
     for place in if is_stroke { places } else { vec![last] } {
-        go_on(editor, chart, place, shift);
+        go_on(editor, design, place, shift);
     }
     if ends {
         end(editor, false);
     }
 }
 
-fn keyboard(ui: &Ui, editor: &mut ChartEditor, response: &Response, chart: &mut Chart, rect: Rect) {
+fn keyboard(
+    ui: &Ui,
+    editor: &mut ChartEditor,
+    response: &Response,
+    design: &mut Design,
+    rect: Rect,
+) {
     let modifiers = ui.input(|i| i.modifiers);
     // With Ctrl, + and − are the size of the interface.
     if !response.has_focus() || modifiers.command {
@@ -235,18 +283,21 @@ fn keyboard(ui: &Ui, editor: &mut ChartEditor, response: &Response, chart: &mut 
     };
     ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, keep));
     let presses = |key| ui.input(|i| i.num_presses(key) as i32);
+    let canvas = chart_canvas(design);
+    if object_gestures::keyboard(ui, editor, &mut design.chart, &canvas) {
+        return;
+    }
     let step = if modifiers.shift { LEAP } else { 1 };
     let [dx, dy] = [
         presses(Key::ArrowRight) - presses(Key::ArrowLeft),
         presses(Key::ArrowDown) - presses(Key::ArrowUp),
     ];
-    let Some(image) = &chart.pixels else { return };
-    let ends = [image.width() as i32 - 1, image.height() as i32 - 1];
+    let ends = canvas.size.map(|side| side as i32 - 1);
     let cursor = &mut editor.canvas.cursor;
     *cursor = [0, 1].map(|k| (cursor[k] + [dx, dy][k] * step).clamp(0, ends[k]));
     let place = *cursor;
     if [dx, dy] != [0, 0] {
-        show_place(&mut editor.canvas, place, rect);
+        show_place(&mut editor.canvas, pixel_shape(&canvas), place, rect);
     }
     let zoom = presses(Key::Plus) + presses(Key::Equals) - presses(Key::Minus);
     if zoom != 0 {
@@ -266,14 +317,17 @@ fn keyboard(ui: &Ui, editor: &mut ChartEditor, response: &Response, chart: &mut 
     editor.brush = (editor.brush as i32 + brush).clamp(1, LARGEST_BRUSH as i32) as usize;
     if presses(Key::Escape) > 0 {
         if let Some(gesture) = editor.canvas.gesture.take() {
-            put_back(chart, &gesture);
+            put_back(&mut design.chart, &gesture);
         }
         editor.canvas.marked = None;
     }
     if presses(Key::Enter) > 0 && editor.canvas.marked.is_some() {
-        if let Some(image) = chart.pixels.clone() {
+        if let Some(image) = design.chart.pixels.clone() {
             crop_marked(ui.ctx(), editor, &image);
         }
+        return;
+    }
+    if editor.tool.is_for_objects() {
         return;
     }
     if presses(Key::Space) + presses(Key::Enter) > 0 {
@@ -282,37 +336,51 @@ fn keyboard(ui: &Ui, editor: &mut ChartEditor, response: &Response, chart: &mut 
             Tool::Line | Tool::Rectangle | Tool::FilledRectangle | Tool::Crop
         );
         if editor.canvas.gesture.is_some() {
-            go_on(editor, chart, place, false);
+            go_on(editor, design, place, false);
             end(editor, true);
         } else {
-            begin(editor, chart, place, true);
-            go_on(editor, chart, place, false);
+            begin(editor, design, place, true);
+            go_on(editor, design, place, false);
             if !spans {
                 end(editor, true);
             }
         }
     } else if editor.canvas.gesture.as_ref().is_some_and(|g| g.by_keys) {
-        go_on(editor, chart, place, false);
+        go_on(editor, design, place, false);
     }
 }
 
 /// Moves the view so that a place is seen.
-fn show_place(canvas: &mut Canvas, place: [i32; 2], rect: Rect) {
-    let half = rect.size() / 2.0 / canvas.scale.unwrap_or(1.0) - Vec2::splat(2.0);
+fn show_place(canvas: &mut Canvas, shape: Vec2, place: [i32; 2], rect: Rect) {
+    let half = rect.size() / 2.0 / (canvas.scale.unwrap_or(1.0) * shape) - Vec2::splat(2.0);
     let place = pos2(place[0] as f32, place[1] as f32);
     let half = half.max(Vec2::ZERO);
     canvas.middle = canvas.middle.clamp(place - half, place + half);
 }
 
-fn pick(editor: &mut ChartEditor, chart: &Chart, place: [i32; 2]) {
-    if let Some(image) = &chart.pixels
-        && let Some([x, y]) = inside(image, place)
-    {
-        editor.colour = yarn_of(image.pixel(x, y));
+/// Takes the colour that is seen there, be it of the chart or of something on it.
+fn pick(editor: &mut ChartEditor, design: &Design, place: [i32; 2]) {
+    let canvas = chart_canvas(design);
+    let Some([x, y]) = inside(&canvas, place) else {
+        return;
+    };
+    if let Some(seen) = editor.composer.chart(design).pixels {
+        let at = |at: usize, side: usize, of: usize| (2 * at + 1) * side / (2 * of);
+        let (x, y) = (
+            at(x, seen.width(), canvas.size[0]),
+            at(y, seen.height(), canvas.size[1]),
+        );
+        editor.colour = yarn_of(seen.pixel(x, y));
     }
 }
 
-fn begin(editor: &mut ChartEditor, chart: &mut Chart, place: [i32; 2], by_keys: bool) {
+fn begin(editor: &mut ChartEditor, design: &mut Design, place: [i32; 2], by_keys: bool) {
+    let Design { chart, sheet, .. } = design;
+    if chart.pixels.is_none() {
+        // Objects alone lie on cloth of one colour.
+        let [r, g, b] = chart.colour.0;
+        bars::start_blank(chart, sheet, [r, g, b, 255]);
+    }
     let Some(before) = chart.pixels.clone() else {
         return;
     };
@@ -320,7 +388,7 @@ fn begin(editor: &mut ChartEditor, chart: &mut Chart, place: [i32; 2], by_keys: 
         editor.canvas.marked = None;
     }
     if editor.tool == Tool::Fill
-        && let Some([x, y]) = inside(&before, place)
+        && let Some([x, y]) = inside_image(&before, place)
         && before.pixel(x, y) != editor.colour
     {
         let mut image = before.clone();
@@ -341,7 +409,8 @@ fn begin(editor: &mut ChartEditor, chart: &mut Chart, place: [i32; 2], by_keys: 
     });
 }
 
-fn go_on(editor: &mut ChartEditor, chart: &mut Chart, place: [i32; 2], shift: bool) {
+fn go_on(editor: &mut ChartEditor, design: &mut Design, place: [i32; 2], shift: bool) {
+    let chart = &mut design.chart;
     let Some(gesture) = &mut editor.canvas.gesture else {
         return;
     };
@@ -389,7 +458,7 @@ fn go_on(editor: &mut ChartEditor, chart: &mut Chart, place: [i32; 2], shift: bo
         }
         Tool::Pick => {
             gesture.last = place;
-            pick(editor, chart, place);
+            pick(editor, design, place);
             return;
         }
         _ => {}
@@ -429,20 +498,30 @@ fn paint(
     ui: &Ui,
     editor: &mut ChartEditor,
     response: &Response,
-    chart: &Chart,
-    sheet: &Sheet,
-    placement: Placement,
+    design: &Design,
+    view: &View,
     hovered: Option<[i32; 2]>,
 ) {
-    let Some(image) = &chart.pixels else { return };
+    let (chart, sheet, placement) = (&design.chart, &design.sheet, view.placement);
+    let Some(seen) = editor.composer.chart(design).pixels else {
+        return;
+    };
     let rect = response.rect;
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 0.0, style::viewport_ground(ui.visuals()));
-    editor.canvas.pyramid.paint(&painter, image, placement);
-    let size = [image.width() as f32, image.height() as f32];
+    let size = view.canvas.size.map(|side| side as f32);
+    let shown = Placement {
+        corner: placement.corner,
+        scale: placement.scale
+            * vec2(
+                size[0] / seen.width() as f32,
+                size[1] / seen.height() as f32,
+            ),
+    };
+    editor.canvas.pyramid.paint(&painter, &seen, shown);
     let whole = Rect::from_min_max(placement.at(0.0, 0.0), placement.at(size[0], size[1]));
     if editor.shows_grid {
-        yarn_grid(&painter, chart, sheet, placement, whole);
+        yarn_grid(&painter, chart, sheet, view, whole);
     }
     painter.rect_stroke(
         whole,
@@ -492,6 +571,7 @@ fn paint(
             [x - before + size - 1, y - before + size - 1],
         ])
     };
+    overlay::paint(ui, &painter, editor, chart, sheet, view);
     if response.has_focus() {
         painter.rect_stroke(
             rect,
@@ -499,6 +579,9 @@ fn paint(
             Stroke::new(1.0, style::accent(ui.visuals())),
             StrokeKind::Inside,
         );
+    }
+    if editor.tool.is_for_objects() {
+        return;
     }
     match hovered {
         Some(place) => outline(brush(place)),
@@ -508,22 +591,15 @@ fn paint(
 }
 
 /// Lines between the crossings of the cloth: of every one, or of every 10th or 100th where they would be too dense.
-fn yarn_grid(
-    painter: &egui::Painter,
-    chart: &Chart,
-    sheet: &Sheet,
-    placement: Placement,
-    whole: Rect,
-) {
-    let Some(image) = &chart.pixels else { return };
+fn yarn_grid(painter: &egui::Painter, chart: &Chart, sheet: &Sheet, view: &View, whole: Rect) {
+    let (size, placement) = (view.canvas.size.map(|side| side as f64), view.placement);
     let cells = match chart.fit {
         Fit::Stretch => [f64::from(sheet.warps), f64::from(sheet.wefts)],
-        Fit::Tile | Fit::Place => [image.width() as f64, image.height() as f64],
+        Fit::Tile | Fit::Place => size,
     };
     let shown = painter.clip_rect().intersect(whole);
-    let size = [image.width() as f64, image.height() as f64];
     for axis in [0, 1] {
-        let distance = size[axis] / cells[axis] * f64::from(placement.scale);
+        let distance = size[axis] / cells[axis] * f64::from(placement.scale[axis]);
         let Some(every) = [1.0, 10.0, 100.0, 1000.0]
             .into_iter()
             .find(|every| distance * every >= f64::from(GRID_FROM))

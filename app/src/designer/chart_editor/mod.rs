@@ -1,19 +1,29 @@
 //! The chart editor: beside the viewport, a canvas to paint, cut and turn the chart on, while the cloth follows.
 //!
 //! It edits the chart of the design and nothing else. Painting makes the chart the design's own: it has pixels and no
-//! path, and the file it came from is never written.
+//! path, and the file it came from is never written. Stripes, shapes, letters and pictures lie on the chart as objects
+//! until they are flattened.
 
 mod bars;
 mod canvas;
+mod object_bar;
+mod object_gestures;
+pub mod objects;
+mod overlay;
 mod pyramid;
+mod rulers;
+mod snap;
 pub mod work;
 pub mod yarn_name;
 
 use egui::{Key, Ui};
-use renderer_core::design::{Chart, ChartImage, Design};
-use renderer_core::scene::ChartYarns;
+use renderer_core::design::chart_edit::{BARE, YarnCount};
+use renderer_core::design::chart_objects::ChartCanvas;
+use renderer_core::design::{Chart, ChartImage, Design, ObjectKind};
+use renderer_core::scene::{ChartComposer, ChartYarns};
 
 use canvas::Canvas;
+use objects::Objects;
 use work::ChartWork;
 
 use crate::designer::widgets::Icon;
@@ -36,6 +46,10 @@ pub enum Tool {
     Pick,
     /// Marks what is to be kept of the chart.
     Crop,
+    /// Chooses, moves, scales and turns what lies on the chart.
+    Select,
+    /// Lays something of this kind on the chart.
+    Add(ObjectKind),
 }
 
 impl Tool {
@@ -86,8 +100,55 @@ impl Tool {
         ),
     ];
 
+    /// Tools for what lies on the chart, as [`Self::ALL`].
+    const OBJECTS: [(Self, Icon, &'static str, &'static str); 7] = [
+        (
+            Self::Select,
+            Icon::Arrow,
+            "Select objects",
+            "Chooses what lies on the chart; drag it, its corners to scale it, the round handle to turn it (V). Alt lets go \
+            of edges and guides.",
+        ),
+        (
+            Self::Add(ObjectKind::StripeAcross),
+            Icon::StripeAcross,
+            "Stripe across",
+            "Drag over the breadth of a stripe from side to side (S).",
+        ),
+        (
+            Self::Add(ObjectKind::StripeAlong),
+            Icon::StripeAlong,
+            "Stripe along",
+            "Drag over the breadth of a stripe from the near edge to the far one (Shift+S).",
+        ),
+        (
+            Self::Add(ObjectKind::Rectangle),
+            Icon::FilledRectangle,
+            "Rectangle object",
+            "Drag a rectangle that can be changed later (B). With Shift a square on the cloth.",
+        ),
+        (
+            Self::Add(ObjectKind::Ellipse),
+            Icon::Ellipse,
+            "Ellipse object",
+            "Drag an ellipse that can be changed later (E). With Shift a circle on the cloth.",
+        ),
+        (
+            Self::Add(ObjectKind::Line),
+            Icon::Line,
+            "Line object",
+            "Drag a straight line that can be changed later (N). With Shift level, upright or diagonal.",
+        ),
+        (
+            Self::Add(ObjectKind::Text),
+            Icon::Letters,
+            "Text object",
+            "Drag as high as the letters are to be (T).",
+        ),
+    ];
+
     /// Keys of the tools while the canvas has the focus, those of the pattern's editor; some with Shift.
-    const KEYS: [(bool, Key, Self); 7] = [
+    const KEYS: [(bool, Key, Self); 14] = [
         (false, Key::P, Self::Pencil),
         (false, Key::L, Self::Line),
         (false, Key::R, Self::Rectangle),
@@ -95,7 +156,19 @@ impl Tool {
         (false, Key::F, Self::Fill),
         (false, Key::I, Self::Pick),
         (false, Key::C, Self::Crop),
+        (false, Key::V, Self::Select),
+        (false, Key::S, Self::Add(ObjectKind::StripeAcross)),
+        (true, Key::S, Self::Add(ObjectKind::StripeAlong)),
+        (false, Key::B, Self::Add(ObjectKind::Rectangle)),
+        (false, Key::E, Self::Add(ObjectKind::Ellipse)),
+        (false, Key::N, Self::Add(ObjectKind::Line)),
+        (false, Key::T, Self::Add(ObjectKind::Text)),
     ];
+
+    /// Whether it is for what lies on the chart rather than for its pixels.
+    fn is_for_objects(self) -> bool {
+        matches!(self, Self::Select | Self::Add(_))
+    }
 }
 
 /// State of the editor.
@@ -108,12 +181,17 @@ pub struct ChartEditor {
     pub colour: [u8; 4],
     shows_grid: bool,
     canvas: Canvas,
+    /// What lies on the chart.
+    pub objects: Objects,
+    composer: ChartComposer,
     work: ChartWork,
     resize: bars::Resize,
     /// The pixel under the pointer, or under the keys' cursor.
     under: Option<[i32; 2]>,
     /// Size of the chart that was last shown, to notice another.
     size: [usize; 2],
+    /// Whether a yarn of the chart that is there has been offered to paint with.
+    offered: bool,
 }
 
 impl Default for ChartEditor {
@@ -125,10 +203,13 @@ impl Default for ChartEditor {
             colour: [0x1f, 0x3a, 0x6e, 255],
             shows_grid: true,
             canvas: Canvas::default(),
+            objects: Objects::default(),
+            composer: ChartComposer::default(),
             work: ChartWork::default(),
             resize: bars::Resize::default(),
             under: None,
             size: [0; 2],
+            offered: false,
         }
     }
 }
@@ -147,11 +228,12 @@ impl ChartEditor {
         if let Some(named) = bars::show(ui, self, design, yarns) {
             name = Some(named);
         }
-        let Design { chart, sheet, .. } = design;
-        if chart.pixels.is_some() {
-            bars::status(ui, self, chart, sheet);
-            canvas::show(ui, self, chart, sheet);
+        if has_canvas(&design.chart) {
+            bars::status(ui, self, &design.chart, &design.sheet);
+            name = object_bar::show(ui, self, design).or(name);
+            canvas::show(ui, self, design);
         } else {
+            let Design { chart, sheet, .. } = design;
             ui.add_space(24.0);
             ui.vertical_centered(|ui| {
                 ui.label("The cloth has one colour and no chart.");
@@ -172,10 +254,26 @@ impl ChartEditor {
         name
     }
 
+    /// Offers a yarn of the chart to paint with, once for each chart.
+    fn offer_paint(&mut self, chart: &Chart, yarns: &[YarnCount]) {
+        let is_new = self.offered != chart.pixels.is_some();
+        self.offered = chart.pixels.is_some();
+        if let (true, Some(paint)) = (is_new, first_paint(yarns)) {
+            self.colour = paint;
+        }
+    }
+
+    /// Has what was just laid on the chart chosen, and the tool for that.
+    pub fn choose_last(&mut self, chart: &Chart) {
+        self.tool = Tool::Select;
+        self.objects.selected = chart.object.len().checked_sub(1);
+    }
+
     /// A chart of another size is seen whole.
     fn notice(&mut self, chart: &Chart) {
         let size = |image: &ChartImage| [image.width(), image.height()];
         let size = chart.pixels.as_ref().map_or([0; 2], size);
+        self.objects.keep_within(chart);
         if size != self.size {
             self.size = size;
             self.canvas.scale = None;
@@ -183,4 +281,21 @@ impl ChartEditor {
             self.resize = bars::Resize::of(size);
         }
     }
+}
+
+/// Whether there is something to paint on.
+fn has_canvas(chart: &Chart) -> bool {
+    chart.pixels.is_some() || !chart.object.is_empty()
+}
+
+/// The canvas of a chart, its pixels those of the image below the objects.
+fn chart_canvas(design: &Design) -> ChartCanvas {
+    ChartCanvas::of(&design.chart, &design.sheet)
+}
+
+/// Which of a chart's yarns is offered to paint with: the second, or what is there already where there is but one, since
+/// that one would not show.
+fn first_paint(yarns: &[YarnCount]) -> Option<[u8; 4]> {
+    let mut yarns = yarns.iter().filter(|yarn| yarn.colour != BARE);
+    yarns.nth(1).map(|yarn| yarn.colour)
 }

@@ -8,7 +8,8 @@ use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
 use egui::{
-    Color32, ColorImage, Painter, Pos2, Rect, TextureFilter, TextureHandle, TextureOptions, pos2,
+    Color32, ColorImage, Painter, Pos2, Rect, TextureFilter, TextureHandle, TextureOptions, Vec2,
+    pos2,
 };
 use renderer_core::design::{ChartImage, OPAQUE_FROM, TILE, Tile};
 
@@ -47,16 +48,16 @@ struct Block {
 pub struct Placement {
     /// Where its upper left corner is.
     pub corner: Pos2,
-    /// Points for a pixel of the chart.
-    pub scale: f32,
+    /// Width and height of a pixel of the chart, points.
+    pub scale: Vec2,
 }
 
 impl Placement {
     /// Place on the screen of a place in the chart, pixels.
     pub fn at(&self, x: f32, y: f32) -> Pos2 {
         pos2(
-            self.corner.x + x * self.scale,
-            self.corner.y + y * self.scale,
+            self.corner.x + x * self.scale.x,
+            self.corner.y + y * self.scale.y,
         )
     }
 }
@@ -67,23 +68,19 @@ impl Pyramid {
     pub fn paint(&mut self, painter: &Painter, image: &ChartImage, placement: Placement) -> bool {
         let start = Instant::now();
         self.frame += 1;
-        let level = level(placement.scale * painter.pixels_per_point());
+        let level = level(placement.scale.max_elem() * painter.pixels_per_point());
         let tiles = image.tiles();
         let side = TILE << level;
         let clip = painter.clip_rect();
-        let span = |low: f32, high: f32, corner: f32, size: usize| {
-            let block = |at: f32| ((at - corner) / placement.scale / side as f32).floor();
+        let span = |low: f32, high: f32, axis: usize, size: usize| {
+            let (corner, scale) = (placement.corner[axis], placement.scale[axis]);
+            let block = |at: f32| ((at - corner) / scale / side as f32).floor();
             let last = size.div_ceil(side);
             (block(low).max(0.0) as usize).min(last)
                 ..((block(high) + 1.0).max(0.0) as usize).min(last)
         };
-        let columns = span(clip.left(), clip.right(), placement.corner.x, image.width());
-        let rows = span(
-            clip.top(),
-            clip.bottom(),
-            placement.corner.y,
-            image.height(),
-        );
+        let columns = span(clip.left(), clip.right(), 0, image.width());
+        let rows = span(clip.top(), clip.bottom(), 1, image.height());
         let mut is_complete = true;
         for by in rows {
             for bx in columns.clone() {

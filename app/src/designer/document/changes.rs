@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use renderer_core::design::{CameraDesign, Design, Numbers, WEAVE_LIBRARY};
+use renderer_core::design::{CameraDesign, ChartObject, Design, Numbers, WEAVE_LIBRARY};
 
 use super::labels::label_of;
 
@@ -104,6 +104,12 @@ fn chart(before: &Design, after: &Design) -> Option<String> {
     if a == b {
         return None;
     }
+    if a.object != b.object {
+        return Some(objects(&a.object, &b.object));
+    }
+    if (&a.guides_x, &a.guides_y) != (&b.guides_x, &b.guides_y) {
+        return Some("guide".into());
+    }
     let name = match (&a.pixels, &b.pixels) {
         (None, Some(_)) => "open chart",
         (Some(_), None) => "clear chart",
@@ -117,6 +123,41 @@ fn chart(before: &Design, after: &Design) -> Option<String> {
         _ => "chart layout",
     };
     Some(name.into())
+}
+
+/// What was done with what lies on the chart.
+fn objects(before: &[ChartObject], after: &[ChartObject]) -> String {
+    let named = |verb: &str, object: Option<&ChartObject>| {
+        let kind = object.map_or("objects", |object| object.kind.label());
+        format!("{verb} {kind}")
+    };
+    match before.len().cmp(&after.len()) {
+        Ordering::Less => {
+            return named("add", after.iter().find(|object| !before.contains(object)));
+        }
+        Ordering::Greater => {
+            return named(
+                "remove",
+                before.iter().find(|object| !after.contains(object)),
+            );
+        }
+        Ordering::Equal => {}
+    }
+    let mut pairs = before.iter().zip(after).filter(|(a, b)| a != b);
+    let (Some((a, b)), None) = (pairs.next(), pairs.next()) else {
+        return "order of objects".into();
+    };
+    let is_moved = (a.x, a.y) != (b.x, b.y);
+    let is_scaled = (a.width, a.height) != (b.width, b.height);
+    let verb = match (is_moved, is_scaled) {
+        _ if a.text != b.text || a.font != b.font => "write",
+        (_, true) => "scale",
+        (true, false) => "move",
+        _ if a.rotation != b.rotation => "turn",
+        _ if (a.colour, a.bare) != (b.colour, b.bare) => "colour of",
+        _ => "change",
+    };
+    named(verb, Some(b))
 }
 
 fn length(before: &Design, after: &Design) -> Option<String> {

@@ -72,11 +72,11 @@ impl Document {
     /// files name them relative to themselves.
     pub fn new(mut design: Design, path: Option<PathBuf>) -> Self {
         if let Some(folder) = path.as_deref().and_then(Path::parent) {
-            for slot in ImageSlot::ALL {
-                if let Some(image) = slot.path_mut(&mut design) {
-                    let file = folder.join(&*image);
+            for slot in ImageSlot::of(&design) {
+                if let Some(image) = slot.path(&design) {
+                    let file = folder.join(image);
                     let file = std::path::absolute(&file).unwrap_or(file);
-                    *image = file.to_string_lossy().into_owned();
+                    slot.set_path(&mut design, Some(file.to_string_lossy().into_owned()));
                 }
             }
         }
@@ -184,7 +184,7 @@ impl Document {
     pub fn image_files(&self) -> Vec<UsedFile> {
         let mut files = self.own_images.files();
         let preset = self.path.as_deref().filter(|path| !is_bundle(path));
-        for slot in ImageSlot::ALL {
+        for slot in ImageSlot::of(&self.design) {
             let Some(path) = slot.path(&self.design) else {
                 continue;
             };
@@ -267,11 +267,11 @@ impl Document {
         }
         self.revision += 1;
         let before = std::mem::replace(&mut self.settled, self.design.clone());
-        let bytes = ImageSlot::ALL.map(|slot| {
+        let bytes = ImageSlot::of(&before).map(|slot| {
             let now = colours(slot, &self.design);
             colours(slot, &before).map_or(0, |pixels| pixels.bytes_beside(now.as_ref()))
         });
-        let bytes = bytes.iter().sum();
+        let bytes = bytes.sum();
         self.undo.push(Step {
             name: name.unwrap_or_else(|| changes::describe(&before, &self.design)),
             design: before,
@@ -289,7 +289,7 @@ impl Document {
 
     /// Keeps equal parts of images in memory once: the comparisons of every frame then compare pointers.
     fn share_tiles(&mut self) {
-        for slot in ImageSlot::ALL {
+        for slot in ImageSlot::of(&self.design) {
             let Some(mut pixels) = colours(slot, &self.design) else {
                 continue;
             };

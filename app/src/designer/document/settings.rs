@@ -8,6 +8,8 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use crate::designer::widgets::UnitSystem;
+
 /// Most recent files that are remembered.
 const MOST_RECENT: usize = 12;
 /// Largest settings file that is read, bytes.
@@ -35,6 +37,8 @@ pub enum ThemeChoice {
 pub struct Settings {
     /// Light or dark.
     pub theme: ThemeChoice,
+    /// What lengths are shown in.
+    pub units: UnitSystem,
     /// Scale of the interface, percent.
     pub scale: u32,
     /// Width of the document's panels, points.
@@ -63,6 +67,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             theme: ThemeChoice::default(),
+            units: UnitSystem::default(),
             scale: 100,
             panels_width: None,
             presets_width: None,

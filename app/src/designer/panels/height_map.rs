@@ -4,7 +4,7 @@ use egui::{
     Align2, Color32, ColorImage, FontId, Mesh, Rect, Response, Sense, Shape, TextureHandle,
     TextureOptions, Ui, pos2, vec2,
 };
-use renderer_core::design::Design;
+use renderer_core::design::{Chart, Design};
 
 use super::length_pictures::Lengths;
 use crate::designer::tasks::Latest;
@@ -26,11 +26,11 @@ const HEIGHT: f32 = 132.0;
 /// Room for the scale beside it, points.
 const SCALE: f32 = 74.0;
 
-/// Shows the lengths that the design's chart gives.
-pub fn show(ui: &mut Ui, maps: &mut HeightMaps, design: &Design) {
+/// Shows the lengths that the design's chart gives, as the cloth shows it.
+pub fn show(ui: &mut Ui, maps: &mut HeightMaps, design: &Design, woven: &Chart) {
     subheading(ui, "Height map");
     let lengths = Lengths {
-        chart: design.chart.clone(),
+        chart: woven.clone(),
         length: design.length.clone(),
         sheet: design.sheet.clone(),
         weave: design.weave.clone(),

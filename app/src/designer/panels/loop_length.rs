@@ -40,23 +40,23 @@ pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design, around: &mut Su
         &mut length.map,
     );
     if length.map == LengthMap::Lut && map_before != length.map && length.table.is_empty() {
-        start_table(length, &design.chart);
+        start_table(length, around.woven);
     }
     match length.map {
         LengthMap::Constant => number(ui, &fields.value, &mut length.value),
         LengthMap::Gray => {
             number(ui, &fields.min, &mut length.min);
             number(ui, &fields.max, &mut length.max);
-            curve(ui, state, length, design.chart.pixels.as_ref());
+            curve(ui, state, length, around.woven.pixels.as_ref());
         }
         LengthMap::Lut => {
             length_table::show(ui, &mut state.table, length, &design.pile);
-            if table_buttons(ui, length, &design.chart) {
+            if table_buttons(ui, length, around.woven) {
                 *around.step_name = Some("lengths by the chart's colours".into());
             }
         }
     }
-    height_map::show(ui, &mut state.heights, design);
+    height_map::show(ui, &mut state.heights, design, around.woven);
 }
 
 fn curve(ui: &mut Ui, state: &mut State, length: &mut Length, chart: Option<&ChartImage>) {

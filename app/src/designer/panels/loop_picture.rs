@@ -88,17 +88,18 @@ impl Default for LoopPicture {
     }
 }
 
-/// Shows the loop, and in words what there is to see.
+/// Shows the loop in the mean colour of the chart as it is woven, and in words what there is to see.
 pub fn show(
     ui: &mut Ui,
     picture: &mut LoopPicture,
     design: &Design,
+    woven: &Chart,
     thumbnails: &mut ThumbnailRenderer,
 ) {
     ui.add_space(2.0);
     ui.horizontal_top(|ui| {
         let (rect, response) = ui.allocate_exact_size(Vec2::splat(SIDE), Sense::click_and_drag());
-        let colour = picture.colour(&design.chart);
+        let colour = picture.colour(woven);
         let look = Look::new(ui, design, colour);
         if ui.is_rect_visible(rect) {
             let turns = picture.turn(ui, &response);

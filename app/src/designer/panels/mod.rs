@@ -99,6 +99,12 @@ impl Panels {
         editor.show(ui, design, yarns)
     }
 
+    /// Opens the chart editor with what was last laid on the chart chosen.
+    pub fn choose_last_object(&mut self, chart: &Chart) {
+        self.chart.editor.is_open = true;
+        self.chart.editor.choose_last(chart);
+    }
+
     /// The chart that the cloth shows instead of the design's, while it is tried out.
     pub fn chart_preview(&self, chart: &Chart) -> Option<&ChartImage> {
         self.chart.preview(chart)

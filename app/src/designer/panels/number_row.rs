@@ -8,7 +8,9 @@ use renderer_core::sampling::hash;
 
 use crate::designer::document::labels::label_of;
 use crate::designer::widgets::style::{ROW_HEIGHT, UNIT_WIDTH, VALUE_WIDTH};
-use crate::designer::widgets::{Icon, IconButton, NumberField, check_box, fixed_text, row};
+use crate::designer::widgets::{
+    Icon, IconButton, NumberField, check_box, fixed_text, row, shown_unit,
+};
 
 /// Row with label, slider, typed value and unit. Double clicks on the label or the slider set the default.
 pub fn number<N: Numeric>(ui: &mut Ui, field: &Field, value: &mut N) {
@@ -45,7 +47,7 @@ pub fn optional_number(
 pub fn number_value<N: Numeric>(ui: &mut Ui, field: &Field, value: &mut N) -> Response {
     let response = drag_value(ui, field, value);
     if !field.unit.is_empty() {
-        ui.label(RichText::new(field.unit).weak());
+        ui.label(RichText::new(shown_unit(ui.ctx(), field.unit)).weak());
     }
     response
 }
@@ -94,7 +96,8 @@ fn number_with_slider<N: Numeric>(ui: &mut Ui, field: &Field, value: &mut N, lab
         slider.on_hover_text(tooltip(field));
     }
     drag_value(ui, field, value).labelled_by(label.id);
-    fixed_text(ui, UNIT_WIDTH, RichText::new(field.unit).weak());
+    let unit = shown_unit(ui.ctx(), field.unit);
+    fixed_text(ui, UNIT_WIDTH, RichText::new(unit).weak());
     if reset {
         *value = N::from_f64(field.default);
     }

@@ -17,7 +17,8 @@ pub struct State {
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design, around: &mut Surroundings<'_>) {
-    loop_picture::show(ui, &mut state.picture, design, around.thumbnails);
+    let (woven, thumbnails) = (around.woven, &mut *around.thumbnails);
+    loop_picture::show(ui, &mut state.picture, design, woven, thumbnails);
     // Of the pile and, where the table counts, of its rows.
     let rows = design.length.rows();
     let some_kind = |is_so: fn(PileKind) -> bool| {

@@ -1,6 +1,6 @@
 //! What panels may see and ask for beside the design that they edit.
 
-use renderer_core::design::{CameraDesign, Fault, Warning};
+use renderer_core::design::{CameraDesign, Chart, Fault, Warning};
 
 use crate::designer::presets::thumbnails::ThumbnailRenderer;
 use crate::designer::shell::command::Command;
@@ -12,6 +12,8 @@ pub struct Surroundings<'a> {
     pub faults: &'a [Fault],
     /// Things that are allowed but probably not meant.
     pub warnings: &'a [Warning],
+    /// The design's chart as the cloth shows it: with the objects on it, and without any left.
+    pub woven: &'a Chart,
     /// The camera of the viewport.
     pub camera: &'a CameraDesign,
     /// What the history is to call what a panel changes, where the designs before and after do not say it.

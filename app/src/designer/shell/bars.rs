@@ -9,7 +9,7 @@ use crate::designer::shell::command::Command;
 use crate::designer::shell::command_buttons::{item, tool};
 use crate::designer::shell::view_bar;
 use crate::designer::viewport::Viewport;
-use crate::designer::widgets::{check_box, radio_button, shortened};
+use crate::designer::widgets::{UnitSystem, check_box, radio_button, shortened};
 
 const PRESETS: &str = "The designs to start from, beside the cloth.";
 
@@ -24,7 +24,8 @@ pub fn menu(
 ) {
     MenuBar::new().ui(ui, |ui| {
         ui.menu_button("File", |ui| {
-            item(ui, "New", true, Command::New, commands);
+            item(ui, "New…", true, Command::AskForNew, commands);
+            item(ui, "New plain design", true, Command::New, commands);
             item(ui, "Open…", true, Command::Open, commands);
             ui.menu_button("Open recent", |ui| recent(ui, settings, commands));
             ui.separator();
@@ -83,6 +84,7 @@ pub fn menu(
             let scale = settings.scale;
             ui.menu_button("Interface scale", |ui| scales(ui, scale, commands));
             ui.menu_button("Theme", |ui| themes(ui, settings.theme, commands));
+            ui.menu_button("Units", |ui| units(ui, settings.units, commands));
             view_bar::size_of_the_screen(ui, commands);
         });
         ui.menu_button("Help", |ui| {
@@ -121,6 +123,28 @@ fn scales(ui: &mut Ui, now: u32, commands: &mut Vec<Command>) {
     }
 }
 
+/// What lengths are shown in.
+fn units(ui: &mut Ui, now: UnitSystem, commands: &mut Vec<Command>) {
+    for (choice, name, what) in [
+        (
+            UnitSystem::Metric,
+            "Metric",
+            "Millimetres and centimetres; ends and picks a centimetre.",
+        ),
+        (
+            UnitSystem::Inch,
+            "Inches",
+            "Inches; ends and picks an inch. Designs stay metric.",
+        ),
+    ] {
+        let button = radio_button(ui, now == choice, name).on_hover_text(what);
+        if button.clicked() {
+            commands.push(Command::Units(choice));
+            ui.close();
+        }
+    }
+}
+
 /// Light or dark.
 fn themes(ui: &mut Ui, now: ThemeChoice, commands: &mut Vec<Command>) {
     for (choice, name) in [
@@ -147,9 +171,9 @@ pub fn toolbar(
         tool(
             ui,
             "New",
-            "Starts a new design.",
+            "Starts a new design: a towel, a mat, a carpet.",
             true,
-            Command::New,
+            Command::AskForNew,
             commands,
         );
         tool(ui, "Open", "Opens a preset.", true, Command::Open, commands);

@@ -3,19 +3,24 @@
 use std::path::PathBuf;
 
 use egui::{Context, Key, KeyboardShortcut, Modifiers};
-use renderer_core::design::{CameraDesign, ImageSlot};
+use renderer_core::design::{CameraDesign, Design, ImageSlot};
 
 use crate::backend::BackendChoice;
 use crate::designer::document::settings::ThemeChoice;
 use crate::designer::render_thread::draft_lighting::LiveLight;
 use crate::designer::viewport::camera_moves::StandardView;
 use crate::designer::viewport::command::{self as view, ViewCommand};
+use crate::designer::widgets::UnitSystem;
 
 /// Something to do that is no edit of the design.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Command {
-    /// Start a new design.
+    /// Start a plain new design.
     New,
+    /// Ask what the new design is to be.
+    AskForNew,
+    /// Start with this design.
+    Start(Box<Design>),
     /// Ask for a preset to open.
     Open,
     /// Open this preset, bundle or picture that carries its design.
@@ -42,6 +47,8 @@ pub enum Command {
     ScaleStep(i32),
     /// Light or dark.
     Theme(ThemeChoice),
+    /// Show lengths in these units.
+    Units(UnitSystem),
     /// Show the presets, or hide them.
     ShowPresets(bool),
     /// Forget the recent files.
@@ -56,9 +63,11 @@ pub enum Command {
     Redo,
     /// Ask for an image of the design.
     OpenImage(ImageSlot),
+    /// Lay the picture in this file on the chart.
+    AddPicture(PathBuf),
     /// Use this file as an image of the design.
     UseImage(ImageSlot, PathBuf),
-    /// Make the image in the clipboard the chart.
+    /// Make the image in the clipboard the chart, or lay it on the chart that there is.
     PasteChart,
     /// Open or close the chart editor.
     EditChart,
@@ -162,7 +171,7 @@ pub enum Place {
 
 /// Keys of the commands that have some, as the help lists them.
 pub const SHORTCUTS: &[(Command, KeyboardShortcut, &str)] = &[
-    (Command::New, ctrl(Key::N), "New design"),
+    (Command::New, ctrl(Key::N), "New plain design"),
     (Command::Open, ctrl(Key::O), "Open a preset"),
     (Command::Save, ctrl(Key::S), "Save"),
     (Command::SaveAs, shift(Key::S), "Save as"),

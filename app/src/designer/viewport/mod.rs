@@ -28,6 +28,7 @@ use renderer_core::geometry::Camera;
 use renderer_core::gpu::DeviceWatch;
 use renderer_core::image::Display;
 use renderer_core::render::MAX_SIDE;
+use renderer_core::scene::ChartComposer;
 
 use crate::backend::BackendChoice;
 use crate::designer::Setup;
@@ -79,6 +80,7 @@ pub struct Viewport {
     compare: Compare,
     has_loupe: bool,
     readout: Option<Readout>,
+    composer: ChartComposer,
     /// Height of the picture at true scale, mm, as long as the camera keeps to it.
     true_height_mm: Option<f64>,
     /// The camera before it stood back because the area got smaller, and after.
@@ -121,6 +123,7 @@ impl Viewport {
             compare: Compare::default(),
             has_loupe: false,
             readout: None,
+            composer: ChartComposer::default(),
             true_height_mm: None,
             stood_back: None,
             fingers_scroll: false,
@@ -443,7 +446,8 @@ impl Viewport {
         let readout = pointer
             .zip(self.state.scene.cloth.as_ref())
             .and_then(|(at, cloth)| {
-                Readout::new(design, cloth, &camera, area.pixel(at), area.size)
+                let design = self.composer.design(design);
+                Readout::new(&design, cloth, &camera, area.pixel(at), area.size)
             });
         if readout != self.readout {
             self.readout = readout;

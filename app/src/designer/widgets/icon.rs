@@ -36,11 +36,16 @@ pub enum Icon {
     Duplicate,
     Search,
     Eye,
+    Arrow,
+    StripeAcross,
+    StripeAlong,
+    Ellipse,
+    Letters,
 }
 
 impl Icon {
     /// All icons.
-    pub const ALL: [Self; 25] = [
+    pub const ALL: [Self; 30] = [
         Self::Pencil,
         Self::Line,
         Self::Rectangle,
@@ -66,6 +71,11 @@ impl Icon {
         Self::Duplicate,
         Self::Search,
         Self::Eye,
+        Self::Arrow,
+        Self::StripeAcross,
+        Self::StripeAlong,
+        Self::Ellipse,
+        Self::Letters,
     ];
 
     /// Draws the icon as large as fits into the middle of `rect`.
@@ -161,6 +171,25 @@ impl Icon {
                 marks
             }
             Self::Search => lens(),
+            Self::Arrow => vec![
+                Area(vec![(4.0, 1.5), (12.2, 9.6), (7.8, 9.4), (4.0, 13.0)]),
+                Line(vec![(7.4, 9.0), (10.0, 14.4)]),
+            ],
+            Self::StripeAcross => stripes(|point| point),
+            Self::StripeAlong => stripes(|(x, y)| (y, x)),
+            Self::Ellipse => vec![Line(
+                (0..=32)
+                    .map(|step| {
+                        let angle = step as f32 / 32.0 * TAU;
+                        (8.0 + 6.0 * angle.cos(), 8.0 + 4.4 * angle.sin())
+                    })
+                    .collect(),
+            )],
+            Self::Letters => vec![
+                Line(vec![(2.5, 4.0), (2.5, 2.5), (13.5, 2.5), (13.5, 4.0)]),
+                Line(vec![(8.0, 2.5), (8.0, 13.5)]),
+                Line(vec![(6.0, 13.5), (10.0, 13.5)]),
+            ],
             Self::Undo => turn(|point| point),
             Self::Redo => turn(|(x, y)| (UNITS - x, y)),
             Self::Dice => vec![
@@ -302,6 +331,15 @@ fn mirror(place: impl Fn((f32, f32)) -> (f32, f32)) -> Vec<Mark> {
         marks.push(Mark::Line(points(&[(8.5, top), (8.5, top + 2.2)])));
     }
     marks
+}
+
+/// A frame with a band from side to side.
+fn stripes(place: impl Fn((f32, f32)) -> (f32, f32)) -> Vec<Mark> {
+    let band = corners((2.5, 6.0), (13.5, 10.0));
+    vec![
+        frame((2.5, 2.5), (13.5, 13.5)),
+        Mark::Area(band.into_iter().map(place).collect()),
+    ]
 }
 
 /// A magnifying glass.

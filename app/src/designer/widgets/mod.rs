@@ -15,6 +15,7 @@ pub mod style;
 mod text;
 mod thumbnail;
 mod toggle;
+mod units;
 
 pub use curve_editor::{CurveEditor, curve_editor};
 pub use file_browser::{Browsed, FileBrowser, FileKind};
@@ -29,3 +30,4 @@ pub use row::{fixed_text, more, row, subheading};
 pub use text::shortened;
 pub use thumbnail::{Thumbnail, show_thumbnail};
 pub use toggle::{check_box, colour_well, radio_button};
+pub use units::{UnitSystem, shown_unit};

@@ -8,6 +8,8 @@ use egui::emath::{self, Numeric};
 use egui::{Color32, DragValue, Id, Key, Response, RichText, Stroke, Tooltip, Ui, Vec2};
 use renderer_core::design::read_number;
 
+use super::units::UnitSystem;
+
 /// A field for a number.
 #[must_use = "a field shows once it is added"]
 pub struct NumberField<'a, N> {
@@ -18,6 +20,7 @@ pub struct NumberField<'a, N> {
     most_decimals: Option<usize>,
     format: Option<&'a dyn Fn(f64) -> String>,
     suffix: &'a str,
+    has_unit: bool,
     size: Option<Vec2>,
 }
 
@@ -35,7 +38,8 @@ struct Refusal {
 }
 
 impl<'a, N: Numeric> NumberField<'a, N> {
-    /// A field for a number in a unit; empty for plain numbers. Shown is the number alone.
+    /// A field for a number in a unit; empty for plain numbers. Shown is the number alone, in inches where lengths are
+    /// shown in them.
     pub fn new(value: &'a mut N, unit: &'a str, range: RangeInclusive<impl Numeric>) -> Self {
         Self {
             value,
@@ -45,6 +49,7 @@ impl<'a, N: Numeric> NumberField<'a, N> {
             most_decimals: None,
             format: None,
             suffix: "",
+            has_unit: false,
             size: None,
         }
     }
@@ -73,6 +78,12 @@ impl<'a, N: Numeric> NumberField<'a, N> {
         self
     }
 
+    /// Shows its unit behind it in the field.
+    pub fn with_unit(mut self) -> Self {
+        self.has_unit = true;
+        self
+    }
+
     /// How large the field is.
     pub fn size(mut self, size: Vec2) -> Self {
         self.size = Some(size);
@@ -92,19 +103,20 @@ impl<'a, N: Numeric> NumberField<'a, N> {
             .is_some();
         let refusal = refusal.filter(|refusal| refusal.value == before);
         let kept = refusal.as_ref().and_then(|refusal| refusal.text.clone());
+        let (unit, factor) = UnitSystem::of(ui.ctx()).shown(self.unit);
         let shown = RefCell::new(String::new());
         let news = RefCell::new(None);
         let is_read = Cell::new(false);
         let format = |value: f64, decimals: RangeInclusive<usize>| {
             let written = match self.format {
-                Some(format) => format(value),
-                None => emath::format_with_decimals_in_range(value, decimals),
+                Some(format) => format(value / factor),
+                None => emath::format_with_decimals_in_range(value / factor, decimals),
             };
             let text = kept.clone().filter(|_| value == before).unwrap_or(written);
             shown.borrow_mut().clone_from(&text);
             text
         };
-        let (unit, range) = (self.unit, self.range.clone());
+        let range = self.range.clone();
         let parse = |text: &str| {
             if was_escaped || kept.is_none() && text == *shown.borrow() {
                 return None;
@@ -118,12 +130,13 @@ impl<'a, N: Numeric> NumberField<'a, N> {
             match read_number(text, unit, N::INTEGRAL) {
                 Ok(number) => {
                     is_read.set(true);
+                    let number = number * factor;
                     let taken = number.clamp(*range.start(), *range.end());
                     *news.borrow_mut() = (taken != number).then(|| {
                         let why = format!(
                             "“{}” is beyond what is allowed: {}.",
                             text.trim(),
-                            allowed(&range, unit)
+                            allowed(&range, unit, factor)
                         );
                         refused(None, why, N::from_f64(taken).to_f64())
                     });
@@ -135,17 +148,22 @@ impl<'a, N: Numeric> NumberField<'a, N> {
                 }
             }
         };
+        let suffix = match self.has_unit {
+            true => format!(" {unit}"),
+            false => self.suffix.to_owned(),
+        };
         let field = DragValue::new(self.value)
             .range(range.clone())
             .clamp_existing_to_range(false)
             .update_while_editing(false)
             .clip_text(true)
             .speed(self.speed)
-            .suffix(self.suffix)
+            .suffix(suffix)
             .custom_formatter(format)
             .custom_parser(parse);
         let field = match self.most_decimals {
-            Some(most) => field.max_decimals(most),
+            // An inch is worth two decimals more.
+            Some(most) => field.max_decimals(most + if factor == 1.0 { 0 } else { 2 }),
             None => field,
         };
         let red = kept.is_some().then(|| ui.visuals().error_fg_color);
@@ -166,10 +184,15 @@ impl<'a, N: Numeric> NumberField<'a, N> {
     }
 }
 
-/// The range of a field, as a sentence's end.
-fn allowed(range: &RangeInclusive<f64>, unit: &str) -> String {
+/// The range of a field, as a sentence's end, in a unit of which each is `factor` of the range's.
+fn allowed(range: &RangeInclusive<f64>, unit: &str, factor: f64) -> String {
     let space = if unit.is_empty() { "" } else { " " };
-    format!("{} to {}{space}{unit}", range.start(), range.end())
+    let end = |value: f64| match factor {
+        1.0 => value,
+        factor => (value / factor * 1000.0).round() / 1000.0,
+    };
+    let (least, most) = (end(*range.start()), end(*range.end()));
+    format!("{least} to {most}{space}{unit}")
 }
 
 /// Adds what `add` does with its text in a colour and a border of it, where one is given.

@@ -172,7 +172,7 @@ fn read_chart(
 ) -> Result<ChartImage, String> {
     let flat = read_flat(format, bytes, ChartImage::MAX_SIDE, notes)?;
     let pixels = match slot {
-        ImageSlot::Chart => flat.yarns(notes)?,
+        ImageSlot::Chart | ImageSlot::Object(_) => flat.yarns(notes)?,
         _ => flat.data(notes)?.into_rgba8(),
     };
     let (width, height) = (pixels.width() as usize, pixels.height() as usize);

@@ -1,6 +1,7 @@
 //! Editing a chart's pixels: shape, paint, yarns. Everything gives the same result on every machine.
 
 mod loops_per_pixel;
+mod mix;
 mod oklab;
 mod paint;
 mod reduce;
@@ -8,6 +9,8 @@ mod reshape;
 mod yarns;
 
 pub use loops_per_pixel::{LoopsPerPixel, LoopsUnder};
+pub(crate) use mix::mean_of;
+pub use mix::mixed;
 pub use oklab::{linear_from_oklab, nearest_srgb, oklab, oklab_from_linear, precise_oklab};
 pub use paint::{LARGEST_BRUSH, draw_line, outline_rectangle};
 pub use reduce::{Dither, MOST_YARNS, choose_yarns, reduce_to};

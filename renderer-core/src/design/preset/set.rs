@@ -66,7 +66,7 @@ fn changed(design: &Design, path: &str, text: &str) -> Result<Design, String> {
     let mut tree = Value::Table(Table::try_from(design).map_err(|error| error.to_string())?);
     replace(&mut tree, &steps, value)?;
     let mut new = Design::deserialize(tree).map_err(unreadable)?;
-    for slot in ImageSlot::ALL {
+    for slot in ImageSlot::of(design) {
         if slot.path(&new) == slot.path(design) {
             slot.set_pixels(&mut new, slot.pixels(design));
         }
@@ -83,7 +83,7 @@ fn typed_number(text: &str, shape: &Shape) -> Option<Result<f64, String>> {
     let Shape::Number(field) = shape else {
         return None;
     };
-    let begins = text.trim_start_matches(['-', '+', '.', ',', ' ']);
+    let begins = text.trim_start_matches(['-', '+', '.', ',', ' ', '(']);
     let is_typed = begins.starts_with(|c: char| c.is_numeric()) && DeValue::parse(text).is_err();
     is_typed.then(|| read_number(text, field.unit, field.integer))
 }

@@ -5,11 +5,13 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::{Level, LevelRows, Levels, LodBudget, LodPlan, LodRegion, LodSelector};
-use crate::design::{Back, Design, LengthMap, Pattern, Warning};
+use crate::design::{Back, Chart, Design, LengthMap, Pattern, Warning};
 use crate::geometry::Camera;
 use crate::scene::grid::MAX_ENTRIES;
 use crate::scene::warnings::warnings_of_design;
-use crate::scene::{Cancel, ChartYarns, CompileError, CompileReport, Compiler, LoopCounts, Scene};
+use crate::scene::{
+    Cancel, ChartComposer, ChartYarns, CompileError, CompileReport, Compiler, LoopCounts, Scene,
+};
 
 /// The cloth as one camera sees it, level by level.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,6 +57,7 @@ impl LodCloth {
 /// each level of detail.
 #[derive(Debug, Default)]
 pub struct LodCompiler {
+    composer: ChartComposer,
     whole: Compiler,
     by_lod: BTreeMap<u32, Compiler>,
 }
@@ -63,6 +66,7 @@ impl LodCompiler {
     /// Leaves out what such a compiler leaves out.
     pub fn new(compiler: Compiler) -> Self {
         Self {
+            composer: ChartComposer::default(),
             whole: compiler,
             by_lod: BTreeMap::new(),
         }
@@ -78,6 +82,7 @@ impl LodCompiler {
         if plan.regions.is_empty() {
             return self.whole.has_loops_of(design, None);
         }
+        let design = &*self.composer.design(design);
         plan.regions.iter().all(|region| {
             let compiler = self.by_lod.get_mut(&region.lod);
             compiler.is_some_and(|compiler| compiler.has_loops_of(design, Some(*region)))
@@ -110,6 +115,8 @@ impl LodCompiler {
         let scenes = match plan.regions.split_first() {
             None => Levels::one(self.whole.compile_unless_cancelled(design, cancel)?),
             Some((first, others)) => {
+                // Once for all levels.
+                let design = &*self.composer.design(design);
                 let mut compile = |region: &LodRegion| self.compile_region(design, *region, cancel);
                 Levels {
                     nearest: compile(first)?,
@@ -149,7 +156,7 @@ impl LodCompiler {
         region: LodRegion,
         cancel: &Cancel<'_>,
     ) -> Result<Arc<Scene>, CompileError> {
-        let Self { whole, by_lod } = self;
+        let Self { whole, by_lod, .. } = self;
         let compiler = by_lod.entry(region.lod);
         let compiler = compiler.or_insert_with(|| whole.fresh());
         // Volumes are those of the cloth's yarns, whatever part of it is made.
@@ -177,7 +184,7 @@ fn has_short_lists(
     };
     let mut dense = design.clone();
     (dense.length.value, dense.length.map) = (design.length.longest(), LengthMap::Constant);
-    (dense.chart.image, dense.chart.pixels) = (None, None);
+    dense.chart = Chart::default();
     dense.weave.pattern = Pattern::filled(1, 1, 9);
     dense.weave.back = Back::Pattern;
     match Compiler::default().entries(&dense, part, cancel) {

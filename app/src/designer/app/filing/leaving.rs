@@ -27,6 +27,9 @@ impl App {
             Command::New => {
                 self.set_document(Document::default(), None);
             }
+            Command::Start(design) => {
+                self.set_document(Document::new(*design, None), None);
+            }
             Command::Open => {
                 let folder = self.folder_for(Purpose::OpenPreset);
                 self.shell

@@ -25,6 +25,7 @@ use crate::designer::shell::command::{Command, RecoveryChoice};
 use crate::designer::shell::dialogs::Purpose;
 use crate::designer::shell::questions::{Answer, Question};
 use crate::designer::tasks::Task;
+use crate::designer::widgets::UnitSystem;
 use crate::files::{self, RecoveryFile};
 
 /// The state of the designer's files.
@@ -83,6 +84,7 @@ impl Filing {
             ThemeChoice::Dark => ThemePreference::Dark,
             ThemeChoice::Light => ThemePreference::Light,
         });
+        self.settings.units.apply(ctx);
     }
 
     /// Whether a question stands before everything else.
@@ -243,6 +245,11 @@ impl App {
 
     pub(in crate::designer::app) fn set_theme(&mut self, ctx: &Context, theme: ThemeChoice) {
         self.filing.settings.theme = theme;
+        self.filing.apply(ctx);
+    }
+
+    pub(in crate::designer::app) fn set_units(&mut self, ctx: &Context, units: UnitSystem) {
+        self.filing.settings.units = units;
         self.filing.apply(ctx);
     }
 

@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use egui::Context;
-use renderer_core::design::ImageSlot;
+use renderer_core::design::{ChartImage, ChartObject, ImagePixels, ImageSlot};
 
 use crate::designer::app::App;
+use crate::designer::chart_editor::objects;
 use crate::designer::document::Document;
 use crate::designer::shell::command::{Command, OutsideChoice};
 use crate::designer::shell::dialogs::Purpose;
@@ -19,6 +20,7 @@ use crate::files::{
 pub(super) enum Loaded {
     Design(PathBuf, Result<Box<(Opened, OwnImages)>, FileError>),
     Image(ImageSlot, PathBuf, Result<LoadedImage, FileError>),
+    Picture(PathBuf, Result<LoadedImage, FileError>),
 }
 
 impl App {
@@ -74,6 +76,15 @@ impl App {
         }));
     }
 
+    /// Reads a picture that is to lie on the chart.
+    pub(in crate::designer::app) fn load_picture(&mut self, ctx: &Context, path: PathBuf) {
+        self.filing.loading = Some(Task::start(ctx, move || {
+            let path = files::absolute(&path);
+            let image = files::load_image(ImageSlot::Object(0), &path);
+            Loaded::Picture(path, image)
+        }));
+    }
+
     pub(in crate::designer::app) fn take_loaded(&mut self) {
         let Some(task) = &self.filing.loading else {
             return;
@@ -98,6 +109,17 @@ impl App {
             }
             Some(Loaded::Design(path, Err(error))) => self.tell_not_opened(&path, &error),
             Some(Loaded::Image(slot, path, Ok(image))) => self.take_image(slot, &path, image),
+            Some(Loaded::Picture(path, Ok(image))) => {
+                self.warn_of_images(&image.warnings);
+                if let ImagePixels::Colours(pixels) = image.pixels {
+                    let path = path.to_string_lossy().into_owned();
+                    self.add_picture(pixels, Some(path));
+                }
+            }
+            Some(Loaded::Picture(_, Err(error))) => {
+                let heading = files::words(ImageSlot::Object(0)).not_opened;
+                self.shell.notices.error(heading, error.to_string());
+            }
             Some(Loaded::Image(slot, _, Err(error))) => {
                 let heading = files::words(slot).not_opened;
                 self.shell.notices.error(heading, error.to_string());
@@ -105,10 +127,28 @@ impl App {
         }
     }
 
+    /// Lays a picture on the chart, chosen in the chart editor.
+    pub(in crate::designer::app) fn add_picture(
+        &mut self,
+        pixels: ChartImage,
+        path: Option<String>,
+    ) {
+        let design = &mut self.document.design;
+        if objects::add_picture(design, pixels, path) {
+            self.panels.choose_last_object(&design.chart);
+            self.document.name_step("picture on the chart".into());
+        } else {
+            let most = ChartObject::MAX;
+            let text =
+                format!("There are {most} objects on the chart already. Flatten some of them.");
+            self.shell.notices.error("Not laid on the chart", text);
+        }
+    }
+
     fn take_image(&mut self, slot: ImageSlot, path: &Path, image: LoadedImage) {
         self.warn_of_images(&image.warnings);
         let design = &mut self.document.design;
-        *slot.path_mut(design) = Some(path.to_string_lossy().into_owned());
+        slot.set_path(design, Some(path.to_string_lossy().into_owned()));
         slot.set_pixels(design, Some(image.pixels));
         slot.show(design);
         if slot == ImageSlot::Height {
@@ -184,6 +224,12 @@ impl App {
         }
     }
 
+    /// Whether there is a chart that a picture can lie on.
+    pub(in crate::designer::app) fn has_chart(&self) -> bool {
+        let chart = &self.document.design.chart;
+        chart.pixels.is_some() || !chart.object.is_empty()
+    }
+
     /// A file was dropped on the window.
     pub(in crate::designer::app) fn take_dropped(&mut self, path: PathBuf) {
         if self.filing.is_asking() {
@@ -209,6 +255,9 @@ impl App {
                 );
             }
             ending => match ending.and_then(files::dropped) {
+                Some(ImageSlot::Chart) if self.has_chart() => {
+                    self.shell.commands.push(Command::AddPicture(path));
+                }
                 Some(slot) => self.shell.commands.push(Command::UseImage(slot, path)),
                 None => {
                     let text = format!(

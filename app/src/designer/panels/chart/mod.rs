@@ -48,10 +48,11 @@ const GRID_FROM: f32 = 4.0;
 /// Shows the panel.
 pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design, around: &mut Surroundings<'_>) {
     files(ui, &mut design.chart, around);
-    if design.chart.pixels.is_some() {
-        picture(ui, state, &design.chart, &design.sheet);
+    let has_picture = around.woven.pixels.is_some();
+    if has_picture {
+        picture(ui, state, design, around.woven);
     }
-    if design.chart.pixels.is_none() {
+    if !has_picture {
         ui.horizontal(|ui| edit_button(ui, &mut state.editor));
     }
     layout(ui, &mut design.chart);
@@ -72,18 +73,20 @@ fn files(ui: &mut Ui, chart: &mut Chart, around: &mut Surroundings<'_>) {
         }
         let paste = ui.button("Paste").accessible_name("Paste chart");
         if paste
-            .on_hover_text("Makes the image in the clipboard the chart (Ctrl+V).")
+            .on_hover_text("Makes the image in the clipboard the chart, or lays it on the chart that there is (Ctrl+V).")
             .clicked()
         {
             around.commands.push(Command::PasteChart);
         }
-        let clear = ui.add_enabled(chart.pixels.is_some(), egui::Button::new("Clear chart"));
+        let has_some = chart.pixels.is_some() || !chart.object.is_empty();
+        let clear = ui.add_enabled(has_some, egui::Button::new("Clear chart"));
         if clear
-            .on_hover_text("Removes the image; all loops have one colour again.")
+            .on_hover_text("Removes the image and what lies on it; all loops have one colour again.")
             .clicked()
         {
             chart.pixels = None;
             chart.image = None;
+            chart.object.clear();
         }
     });
 }
@@ -102,8 +105,9 @@ fn edit_button(ui: &mut Ui, editor: &mut ChartEditor) {
 }
 
 /// The picture, with what there is to say about it beside.
-fn picture(ui: &mut Ui, state: &mut State, chart: &Chart, sheet: &Sheet) {
-    let Some(image) = &chart.pixels else { return };
+fn picture(ui: &mut Ui, state: &mut State, design: &Design, woven: &Chart) {
+    let (chart, sheet) = (&design.chart, &design.sheet);
+    let Some(image) = &woven.pixels else { return };
     let shown = state.reduce.preview(chart).unwrap_or(image).clone();
     let (width, height) = (shown.width(), shown.height());
     let shrink = (SIDE as f32 / width.max(height) as f32).min(8.0);
@@ -122,6 +126,11 @@ fn picture(ui: &mut Ui, state: &mut State, chart: &Chart, sheet: &Sheet) {
         }
         ui.vertical(|ui| {
             file_label(ui, chart.image.as_deref(), "painted here", [width, height]);
+            match chart.object.len() {
+                0 => {}
+                1 => drop(ui.weak("1 object lies on it")),
+                count => drop(ui.weak(format!("{count} objects lie on it"))),
+            }
             edit_button(ui, &mut state.editor);
             check_box(ui, &mut state.shows_grid, "Grid").on_hover_text(
                 "Lines between the crossings of the cloth, or every tenth or hundredth of them.",

@@ -2,7 +2,7 @@
 
 use egui::{Color32, RichText, ScrollArea, Sense, Ui, vec2};
 use renderer_core::design::chart_edit::{BARE, YarnCount, YarnCounts, replace_yarn};
-use renderer_core::design::{ChartImage, Colour, Design, LengthEntry};
+use renderer_core::design::{Chart, Colour, Design, LengthEntry};
 use renderer_core::scene::ChartYarns;
 
 use crate::designer::chart_editor::work::put;
@@ -25,7 +25,7 @@ pub struct State {
 /// Changing a colour goes on for many frames, through colours that other yarns may have: so it always starts from what
 /// was there before.
 struct Recolouring {
-    before: ChartImage,
+    before: Chart,
     rows: Vec<LengthEntry>,
     yarns: Vec<YarnCount>,
     /// Which of them.
@@ -35,7 +35,9 @@ struct Recolouring {
 
 /// Shows the list. Returns what the history is to call a change made here.
 pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design) -> Option<String> {
-    let image = design.chart.pixels.clone()?;
+    if design.chart.pixels.is_none() && design.chart.object.is_empty() {
+        return None;
+    }
     if !ui.input(|i| i.pointer.any_down()) {
         state.recolouring = None;
     }
@@ -45,7 +47,7 @@ pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design) -> Option<Strin
             yarns[recolouring.index].colour = recolouring.to;
             Some(yarns)
         }
-        None => state.counted.of(design, &image).map(<[YarnCount]>::to_vec),
+        None => state.counted.of_design(design),
     };
     let Some(yarns) = yarns else {
         subheading(ui, "Yarns");
@@ -85,7 +87,7 @@ pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design) -> Option<Strin
                         label: &label,
                         share: &share,
                     };
-                    yarn_row(ui, state, design, &image, &yarns, &place)
+                    yarn_row(ui, state, design, &yarns, &place)
                 });
                 name = named.inner.or(name.take());
             }
@@ -113,7 +115,6 @@ fn yarn_row(
     ui: &mut Ui,
     state: &mut State,
     design: &mut Design,
-    image: &ChartImage,
     yarns: &[YarnCount],
     place: &Place<'_>,
 ) -> Option<String> {
@@ -134,7 +135,7 @@ fn yarn_row(
                 let Colour([r, g, b]) = colour;
                 let to = [r, g, b, 255];
                 if to != yarn.colour {
-                    recolour(state, design, image, yarns, place.index, to);
+                    recolour(state, design, yarns, place.index, to);
                     name = Some("yarn colour".into());
                 }
             }
@@ -166,7 +167,7 @@ fn yarn_row(
                     .accessible_name(format!("Merge {}", place.label.to_lowercase()))
                     .on_hover_text("Makes it the same yarn as another.");
                 if let Some(Some(into)) = merge.inner {
-                    put(&mut design.chart, replace_yarn(image, yarn.colour, into));
+                    exchange(&mut design.chart, yarn.colour, into);
                     name = Some("merge yarns".into());
                 }
             }
@@ -179,13 +180,12 @@ fn yarn_row(
 fn recolour(
     state: &mut State,
     design: &mut Design,
-    image: &ChartImage,
     yarns: &[YarnCount],
     index: usize,
     to: [u8; 4],
 ) {
     let recolouring = state.recolouring.get_or_insert_with(|| Recolouring {
-        before: image.clone(),
+        before: design.chart.clone(),
         rows: design.length.table.clone(),
         yarns: yarns.to_vec(),
         index,
@@ -196,14 +196,43 @@ fn recolour(
     }
     recolouring.to = to;
     let from = recolouring.yarns[index].colour;
-    put(
-        &mut design.chart,
-        replace_yarn(&recolouring.before, from, to),
-    );
+    design.chart = recolouring.before.clone();
+    exchange(&mut design.chart, from, to);
     let pairs = design.length.table.iter_mut().zip(&recolouring.rows);
     for (row, before) in pairs {
         if before.colour.0 == from[..3] {
             row.colour = Colour([to[0], to[1], to[2]]);
+        }
+    }
+}
+
+/// Gives everything of a chart that is one yarn another: pixels, and what lies on it.
+fn exchange(chart: &mut Chart, from: [u8; 4], to: [u8; 4]) {
+    match &chart.pixels {
+        Some(image) => {
+            let replaced = replace_yarn(image, from, to);
+            if replaced != *image {
+                put(chart, replaced);
+            }
+        }
+        // Objects alone lie on cloth of one colour.
+        None if chart.colour.0 == from[..3] && to != BARE => {
+            chart.colour = Colour([to[0], to[1], to[2]]);
+        }
+        None => {}
+    }
+    for object in &mut chart.object {
+        if !object.bare && object.colour.0 == from[..3] {
+            object.bare = to == BARE;
+            if !object.bare {
+                object.colour = Colour([to[0], to[1], to[2]]);
+            }
+        }
+        if let Some(image) = &object.pixels {
+            let replaced = replace_yarn(image, from, to);
+            if replaced != *image {
+                (object.image, object.pixels) = (None, Some(replaced));
+            }
         }
     }
 }

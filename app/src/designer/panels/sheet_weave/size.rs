@@ -8,7 +8,7 @@ use renderer_core::design::{Field, Sheet};
 
 use crate::designer::panels::number_row::number;
 use crate::designer::widgets::style::{ROW_HEIGHT, VALUE_WIDTH};
-use crate::designer::widgets::{NumberField, row};
+use crate::designer::widgets::{NumberField, row, shown_unit};
 
 /// The sides of the cloth that were asked for, width and length, cm.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -39,7 +39,7 @@ pub fn show(ui: &mut Ui, wanted: &mut Wanted, sheet: &mut Sheet) {
             }
             one(ui, side, wanted);
         }
-        ui.weak("cm");
+        ui.weak(shown_unit(ui.ctx(), "cm"));
     });
     if let Some(text) = rounded_text(&sides, wanted) {
         ui.label(RichText::new(text).small().weak());

@@ -81,6 +81,8 @@ fn heavier_terry_has_longer_loops_and_denser_cloth_finer_yarn() {
 fn the_window_starts_a_towel_of_the_size_and_weight_asked_for() {
     let mut harness = designer_of_size(None, vec2(1280.0, 720.0));
     click(&mut harness, "Toolbar: New");
+    // The window comes to rest in the middle.
+    harness.run_steps(12);
     click(&mut harness, "Hand towel");
     type_number(&mut harness, "Width of the new cloth", "20 in");
     type_number(&mut harness, "Length of the new cloth", "2*45");
@@ -105,6 +107,8 @@ fn the_window_starts_a_towel_of_the_size_and_weight_asked_for() {
     // With changes, they are asked about first; Cancel keeps everything.
     type_number(&mut harness, "Warps", "250");
     click(&mut harness, "Toolbar: New");
+    // The window comes to rest in the middle.
+    harness.run_steps(12);
     click(&mut harness, "Carpet");
     click(&mut harness, "Create");
     assert!(harness.query_by_label("Save changes?").is_some());

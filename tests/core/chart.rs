@@ -1,5 +1,7 @@
 //! The chart on the sheet, and what its colours become: lengths, rows of the table, curve (MODEL.md §6).
 
+mod objects;
+
 use renderer_core::design::{
     Chart, ChartImage, Colour, Design, Fit, Length, LengthEntry, LengthMap, PileKind,
 };

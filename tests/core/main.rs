@@ -12,7 +12,6 @@ mod bounced;
 mod chart;
 mod chart_edit;
 mod chart_loops;
-mod chart_objects;
 mod checked;
 mod coarse_preview;
 mod colour;

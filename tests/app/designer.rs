@@ -28,6 +28,7 @@ mod thumbnails;
 mod typed;
 mod view;
 mod weave;
+mod yarn_table;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

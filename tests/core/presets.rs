@@ -510,6 +510,7 @@ fn reference() -> String {
     design.length.table.push(LengthEntry::default());
     design.light.area.push(AreaLight::default());
     design.chart.object.push(ChartObject::default());
+    design.chart.yarn.push(NamedYarn::default());
     let defaults = toml::Table::try_from(&design).unwrap();
     let Shape::Table(sections) = Design::shape() else {
         panic!("a design is a table");

@@ -57,7 +57,7 @@ pub use render_thread::{
 };
 pub use shell::command::Command;
 pub use viewport::camera_moves;
-pub use widgets::{Icon, shapes};
+pub use widgets::{Icon, colour_space, shapes};
 
 use crate::backend::BackendChoice;
 use crate::denoiser::MakeDenoiser;

@@ -194,6 +194,9 @@ section! {
             /// Colour of all loops where there is no image, also around one that is placed: what the finished cloth
             /// reflects.
             colour: Colour = Colour::WHITE;
+            /// Names of yarns, by their colours on the chart.
+            #[serde(skip_serializing_if = "Vec::is_empty")]
+            yarn: Vec<NamedYarn> = Vec::new();
             /// Lines to align objects by: how far each lies right of the chart's middle, mm.
             #[serde(skip_serializing_if = "Vec::is_empty")]
             guides_x: Vec<f64> = Vec::new();
@@ -207,6 +210,19 @@ section! {
             /// The decoded image; read and written by the program's file layer, never by serde.
             #[serde(skip)]
             pixels: Option<ChartImage> = None;
+        }
+    }
+}
+
+section! {
+    /// What a designer calls a yarn of the chart.
+    NamedYarn, NamedYarnFields {
+        numbers {}
+        others {
+            /// Its colour on the chart.
+            colour: Colour = Colour::WHITE;
+            /// Its name: of a shade card, say.
+            name: String = String::new();
         }
     }
 }
@@ -309,6 +325,29 @@ impl ChartObject {
 }
 
 impl Chart {
+    /// Most yarns with names.
+    pub const MOST_NAMES: usize = 256;
+
+    /// What a yarn is called, if it has a name.
+    pub fn name_of(&self, colour: Colour) -> Option<&str> {
+        let named = self.yarn.iter().find(|yarn| yarn.colour == colour)?;
+        Some(&named.name)
+    }
+
+    /// Gives a yarn a name; an empty one takes it away.
+    pub fn set_name(&mut self, colour: Colour, name: &str) {
+        let known = self.yarn.iter().position(|yarn| yarn.colour == colour);
+        match (known, name.is_empty()) {
+            (Some(index), true) => drop(self.yarn.remove(index)),
+            (Some(index), false) => self.yarn[index].name = name.into(),
+            (None, true) => {}
+            (None, false) => self.yarn.push(NamedYarn {
+                colour,
+                name: name.into(),
+            }),
+        }
+    }
+
     pub(super) fn push_faults(&self, faults: &mut Vec<Fault>) {
         self.push_range_faults("chart", faults);
         let mut fault = |path: String, value: String, allowed: String| {
@@ -323,6 +362,13 @@ impl Chart {
                 "chart.object".into(),
                 format!("{} objects", self.object.len()),
                 format!("at most {} objects", ChartObject::MAX),
+            );
+        }
+        if self.yarn.len() > Self::MOST_NAMES {
+            fault(
+                "chart.yarn".into(),
+                format!("{} names", self.yarn.len()),
+                format!("at most {} names", Self::MOST_NAMES),
             );
         }
         for (name, guides) in [("guides_x", &self.guides_x), ("guides_y", &self.guides_y)] {

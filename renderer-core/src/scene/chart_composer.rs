@@ -42,7 +42,9 @@ impl ChartComposer {
     /// The design with a chart that looks the same and has no objects.
     pub fn design<'d>(&mut self, design: &'d Design) -> Cow<'d, Design> {
         let chart = &design.chart;
-        if chart.object.is_empty() && chart.guides_x.is_empty() && chart.guides_y.is_empty() {
+        let is_plain =
+            chart.guides_x.is_empty() && chart.guides_y.is_empty() && chart.yarn.is_empty();
+        if chart.object.is_empty() && is_plain {
             return Cow::Borrowed(design);
         }
         let chart = self.chart(design);
@@ -56,6 +58,7 @@ impl ChartComposer {
     pub fn chart(&mut self, design: &Design) -> Chart {
         let bare = Chart {
             object: Vec::new(),
+            yarn: Vec::new(),
             guides_x: Vec::new(),
             guides_y: Vec::new(),
             ..design.chart.clone()

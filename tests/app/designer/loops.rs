@@ -230,6 +230,8 @@ fn the_table_takes_the_charts_colours_and_keeps_rows_it_has() {
         super::design(h).chart.pixels.is_some()
     });
     harness.run_steps(3);
+    click(&mut harness, "Rows by colour");
+    harness.run_steps(20);
     click(&mut harness, "Colours from chart");
     let table = super::design(&harness).length.table.clone();
     assert_eq!(table.len(), 2, "{table:?}");

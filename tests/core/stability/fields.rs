@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use renderer_core::cpu::CpuBackend;
 use renderer_core::design::{
-    AreaLight, ChartObject, Design, Entry, LengthEntry, Method, Shape, Shaped, preset,
+    AreaLight, ChartObject, Design, Entry, LengthEntry, Method, NamedYarn, Shape, Shaped, preset,
 };
 use renderer_core::gpu::GpuBackend;
 use renderer_core::render::{Backend, RenderError};
@@ -29,6 +29,7 @@ fn small() -> Design {
     design.length.table = vec![LengthEntry::default()];
     design.light.area = vec![AreaLight::default()];
     design.chart.object = vec![ChartObject::default()];
+    design.chart.yarn = vec![NamedYarn::default()];
     design.view.cameras[0].distance = 14.0;
     design.quality.method = Method::Tracked;
     design.quality.bounces = 3;

@@ -107,6 +107,9 @@ fn chart(before: &Design, after: &Design) -> Option<String> {
     if a.object != b.object {
         return Some(objects(&a.object, &b.object));
     }
+    if a.yarn != b.yarn && a.pixels == b.pixels {
+        return Some("yarn name".into());
+    }
     if (&a.guides_x, &a.guides_y) != (&b.guides_x, &b.guides_y) {
         return Some("guide".into());
     }

@@ -1,13 +1,13 @@
 //! Rows of what is no number in the design: one of several choices, yes or no, a colour.
 
-use egui::{ComboBox, Response, TextEdit, Ui};
+use egui::{ComboBox, Response, Ui};
 use renderer_core::design::{
     Back, BentAlong, Colour, EnvironmentKind, Filter, Fit, FormKind, Interpolation, LengthMap,
     Metering, Method, NoiseKind, Phase, PileKind, Sampler, Sheared, SkeletonHeight,
     SkeletonShading, ToneMap,
 };
 
-use crate::designer::widgets::{check_box, colour_well, row};
+use crate::designer::widgets::{check_box, colour_well, hex_field, row};
 
 /// One of a closed list of values.
 pub trait Choice: Copy + PartialEq + 'static {
@@ -72,33 +72,5 @@ pub fn colour_value(ui: &mut Ui, what: &str, value: &mut Colour, label: &Respons
     colour_well(ui, &mut value.0)
         .labelled_by(label.id)
         .on_hover_text(what);
-    hex(ui, value).labelled_by(label.id);
-}
-
-/// A colour as text, `#rrggbb`, taken over when it reads as a colour.
-fn hex(ui: &mut Ui, value: &mut Colour) -> Response {
-    let id = ui.next_auto_id().with("text");
-    let mut text = ui
-        .data(|data| data.get_temp::<String>(id))
-        .unwrap_or_else(|| String::from(*value));
-    let response = ui.add(
-        TextEdit::singleline(&mut text)
-            .char_limit(7)
-            .desired_width(68.0)
-            .align(egui::Align2::LEFT_CENTER)
-            .font(egui::TextStyle::Monospace),
-    );
-    if let (true, Ok(read)) = (response.changed(), Colour::try_from(text.clone())) {
-        *value = read;
-    }
-    // What is being typed lives until the field is left; then the colour itself is shown again.
-    let is_typing = response.has_focus();
-    ui.data_mut(|data| {
-        if is_typing {
-            data.insert_temp(id, text);
-        } else {
-            data.remove::<String>(id);
-        }
-    });
-    response.on_hover_text("Colour as #rrggbb")
+    hex_field(ui, &mut value.0).labelled_by(label.id);
 }

@@ -80,7 +80,11 @@ fn kind(ui: &mut Ui, row: usize, kind: &mut Option<PileKind>) {
 }
 
 /// A menu of what a row has of its own, or as the pile.
-fn own_choice<C: Choice + 'static>(ui: &mut Ui, salt: &str, value: &mut Option<C>) -> Response {
+pub(super) fn own_choice<C: Choice + 'static>(
+    ui: &mut Ui,
+    salt: &str,
+    value: &mut Option<C>,
+) -> Response {
     let as_pile = "as the pile";
     let combo = ComboBox::from_id_salt(salt)
         .selected_text(value.map_or(as_pile, Choice::label))
@@ -98,13 +102,18 @@ fn own_choice<C: Choice + 'static>(ui: &mut Ui, salt: &str, value: &mut Option<C
 
 /// What a row seldom has of its own.
 fn more(ui: &mut Ui, entry: &mut LengthEntry, pile: &Pile) {
-    let (fields, of_pile) = (LengthEntry::FIELDS, Pile::FIELDS);
     colour(
         ui,
         "Colour",
         "The chart's colour this row is for; other colours go to the nearest row.",
         &mut entry.colour,
     );
+    material(ui, entry, pile);
+}
+
+/// How the yarn of a row is and scatters light, where that is not as the pile's.
+pub(super) fn material(ui: &mut Ui, entry: &mut LengthEntry, pile: &Pile) {
+    let (fields, of_pile) = (LengthEntry::FIELDS, Pile::FIELDS);
     number(ui, &fields.albedo_scale, &mut entry.albedo_scale);
     let what = "How a point of the pile scatters light, for loops of this colour.";
     row(ui, "Own scattering", what, |ui, label| {

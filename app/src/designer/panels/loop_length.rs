@@ -14,7 +14,7 @@ use super::surroundings::Surroundings;
 use crate::designer::panels::choice_row::choice;
 use crate::designer::panels::number_row::number;
 use crate::designer::tasks::Latest;
-use crate::designer::widgets::{CurveEditor, curve_editor, subheading};
+use crate::designer::widgets::{CurveEditor, curve_editor, more, subheading};
 
 /// Editor of the curve, the chart's histogram behind it, the open rows of the table, and the height map.
 #[derive(Default)]
@@ -28,8 +28,14 @@ pub struct State {
 /// Rows that "From chart" makes at most.
 const COMMONEST: usize = 16;
 
-/// Shows the panel.
-pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design, around: &mut Surroundings<'_>) {
+/// Shows the panel; `has_yarn_table` tells whether the table of yarns is seen, which then has the lengths.
+pub fn show(
+    ui: &mut Ui,
+    state: &mut State,
+    design: &mut Design,
+    has_yarn_table: bool,
+    around: &mut Surroundings<'_>,
+) {
     let fields = Length::FIELDS;
     let length = &mut design.length;
     let map_before = length.map;
@@ -49,14 +55,23 @@ pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design, around: &mut Su
             number(ui, &fields.max, &mut length.max);
             curve(ui, state, length, around.woven.pixels.as_ref());
         }
-        LengthMap::Lut => {
-            length_table::show(ui, &mut state.table, length, &design.pile);
-            if table_buttons(ui, length, around.woven) {
-                *around.step_name = Some("lengths by the chart's colours".into());
-            }
+        LengthMap::Lut if has_yarn_table => {
+            ui.weak("Each yarn has its own, in the table of yarns in the panel Chart.");
+            // For colours that the chart has not, or not yet.
+            more(ui, "Rows by colour", |ui| table(ui, state, design, around));
         }
+        LengthMap::Lut => table(ui, state, design, around),
     }
     height_map::show(ui, &mut state.heights, design, around.woven);
+}
+
+/// The table from colours to lengths, and what adds rows.
+fn table(ui: &mut Ui, state: &mut State, design: &mut Design, around: &mut Surroundings<'_>) {
+    let length = &mut design.length;
+    length_table::show(ui, &mut state.table, length, &design.pile);
+    if table_buttons(ui, length, around.woven) {
+        *around.step_name = Some("lengths by the chart's colours".into());
+    }
 }
 
 fn curve(ui: &mut Ui, state: &mut State, length: &mut Length, chart: Option<&ChartImage>) {

@@ -112,6 +112,7 @@ impl Panels {
 
     /// Shows all panels.
     pub fn show(&mut self, ui: &mut Ui, design: &mut Design, around: &mut Surroundings<'_>) {
+        self.chart.begin_frame();
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             for (index, title) in TITLES.iter().enumerate() {
                 let Title(name, _, starts_open) = title;
@@ -119,7 +120,16 @@ impl Panels {
                 let is_open = section(ui, title, was_open, around, |ui, around| match index {
                     0 => sheet_weave::show(ui, &mut self.sheet_weave, design),
                     1 => chart::show(ui, &mut self.chart, design, around),
-                    2 => loop_length::show(ui, &mut self.loop_length, design, around),
+                    2 => {
+                        let has_yarn_table = self.chart.has_yarn_table();
+                        loop_length::show(
+                            ui,
+                            &mut self.loop_length,
+                            design,
+                            has_yarn_table,
+                            around,
+                        );
+                    }
                     3 => pile::show(ui, &mut self.pile, design, around),
                     4 => turbulence::show(ui, &mut self.turbulence, design, around),
                     5 => finish::show(ui, &mut self.nap, design, around),

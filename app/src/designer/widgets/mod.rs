@@ -1,5 +1,7 @@
 //! Controls that know rows, colours, grids, curves, icons and files, but no towels; and the look of all.
 
+mod colour_picker;
+pub mod colour_space;
 mod curve_editor;
 mod file_browser;
 mod file_drop;
@@ -17,6 +19,7 @@ mod thumbnail;
 mod toggle;
 mod units;
 
+pub use colour_picker::{colour_well, hex_field};
 pub use curve_editor::{CurveEditor, curve_editor};
 pub use file_browser::{Browsed, FileBrowser, FileKind};
 pub use file_drop::{about_dropping, cannot_take_drops};
@@ -29,5 +32,5 @@ pub use pointer_way::PointerWay;
 pub use row::{fixed_text, more, row, subheading};
 pub use text::shortened;
 pub use thumbnail::{Thumbnail, show_thumbnail};
-pub use toggle::{check_box, colour_well, radio_button};
+pub use toggle::{check_box, radio_button};
 pub use units::{UnitSystem, shown_unit};

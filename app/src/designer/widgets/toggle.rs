@@ -1,4 +1,4 @@
-//! Check boxes, radio buttons and colour wells, outlined: what is inside may be as light or dark as what is around, and
+//! Check boxes and radio buttons, outlined: what is inside may be as light or dark as what is around, and
 //! then the outline is all that shows there is something to press.
 
 use egui::{Response, Stroke, Ui};
@@ -13,11 +13,6 @@ pub fn check_box(ui: &mut Ui, value: &mut bool, text: impl Into<String>) -> Resp
 /// A radio button.
 pub fn radio_button(ui: &mut Ui, is_on: bool, text: impl Into<String>) -> Response {
     outlined(ui, |ui| ui.radio(is_on, text.into()))
-}
-
-/// A button with a colour, which opens a picker.
-pub fn colour_well(ui: &mut Ui, rgb: &mut [u8; 3]) -> Response {
-    outlined(ui, |ui| ui.color_edit_button_srgb(rgb))
 }
 
 fn outlined(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> Response) -> Response {

@@ -34,6 +34,16 @@ impl State {
         (&mut self.editor, &mut self.yarns.counted)
     }
 
+    /// Forgets what the last frame has shown.
+    pub fn begin_frame(&mut self) {
+        self.yarns.is_shown = false;
+    }
+
+    /// Whether the table of yarns was shown in this frame.
+    pub fn has_yarn_table(&self) -> bool {
+        self.yarns.is_shown
+    }
+
     /// The chart that the cloth shows instead of the design's, while it is tried out.
     pub fn preview(&self, chart: &Chart) -> Option<&ChartImage> {
         self.reduce.preview(chart)

@@ -1,17 +1,22 @@
-//! The yarns of a chart: how much of it each is, other colours for them, and making two of them one.
+//! The table of a chart's yarns: colour, name and share of each, how high its pile is, of which kind and material; and
+//! making two of them one.
 
-use egui::{Color32, RichText, ScrollArea, Sense, Ui, vec2};
+use egui::{Button, Color32, RichText, ScrollArea, Sense, TextEdit, Ui, vec2};
 use renderer_core::design::chart_edit::{BARE, YarnCount, YarnCounts, replace_yarn};
-use renderer_core::design::{Chart, Colour, Design, LengthEntry};
-use renderer_core::scene::ChartYarns;
+use renderer_core::design::{Chart, Colour, Design, Length, LengthEntry, LengthMap};
+use renderer_core::scene::{ChartYarns, LengthRule};
 
 use crate::designer::chart_editor::work::put;
 use crate::designer::chart_editor::yarn_name::yarn_name;
 use crate::designer::panels::choice_row::colour_value;
+use crate::designer::panels::length_table::{material, own_choice};
+use crate::designer::panels::number_row::number_value;
 use crate::designer::widgets::{row, subheading};
 
 /// Height of the list before it scrolls, points.
-const LIST_HEIGHT: f32 = 220.0;
+const LIST_HEIGHT: f32 = 320.0;
+/// Width of a yarn's name, points.
+const NAME_WIDTH: f32 = 96.0;
 
 /// What is remembered of the yarns.
 #[derive(Default)]
@@ -20,6 +25,10 @@ pub struct State {
     pub counted: ChartYarns,
     /// A yarn whose colour is being changed.
     recolouring: Option<Recolouring>,
+    /// The yarn that shows its material.
+    open: Option<[u8; 4]>,
+    /// Whether the table was shown.
+    pub is_shown: bool,
 }
 
 /// Changing a colour goes on for many frames, through colours that other yarns may have: so it always starts from what
@@ -57,6 +66,7 @@ pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design) -> Option<Strin
         ));
         return None;
     };
+    state.is_shown = true;
     let count = yarns.iter().filter(|yarn| yarn.colour != BARE).count();
     subheading(
         ui,
@@ -87,7 +97,11 @@ pub fn show(ui: &mut Ui, state: &mut State, design: &mut Design) -> Option<Strin
                         label: &label,
                         share: &share,
                     };
-                    yarn_row(ui, state, design, &yarns, &place)
+                    let name = yarn_row(ui, state, design, &yarns, &place);
+                    if yarn.colour == BARE {
+                        return name;
+                    }
+                    own_row(ui, state, design, &yarns, &place).or(name)
                 });
                 name = named.inner.or(name.take());
             }
@@ -176,6 +190,88 @@ fn yarn_row(
     )
 }
 
+/// Name, pile height and kind of a yarn, and below them its material.
+fn own_row(
+    ui: &mut Ui,
+    state: &mut State,
+    design: &mut Design,
+    yarns: &[YarnCount],
+    place: &Place<'_>,
+) -> Option<String> {
+    let yarn = yarns[place.index].colour;
+    let colour = Colour([yarn[0], yarn[1], yarn[2]]);
+    let of = place.label.to_lowercase();
+    let before = row_of(&design.length, colour);
+    let mut entry = before.clone();
+    ui.horizontal(|ui| {
+        let mut name = design.chart.name_of(colour).unwrap_or_default().to_owned();
+        let edit = TextEdit::singleline(&mut name).hint_text("name").desired_width(NAME_WIDTH);
+        let edit = ui.add(edit).accessible_name(format!("Name of {of}"));
+        if edit.on_hover_text("What you call this yarn: of a shade card, say.").changed() {
+            design.chart.set_name(colour, &name);
+        }
+        if design.length.map == LengthMap::Gray {
+            let what = "Lengths follow the chart's brightness: see the panel Loop length.";
+            ui.weak(format!("{:.1} mm", entry.length)).on_hover_text(what);
+        } else {
+            number_value(ui, &LengthEntry::FIELDS.length, &mut entry.length)
+                .accessible_name(format!("Pile height of {of}"))
+                .on_hover_text("How high its loops stand. Another height for one yarn gives each a height of its own.");
+            own_choice(ui, "kind", &mut entry.kind)
+                .accessible_name(format!("Kind of {of}"))
+                .on_hover_text("Loops, cut tufts or other pile.");
+            let is_open = state.open == Some(yarn);
+            let more = ui.add(Button::new("…").selected(is_open)).accessible_name(format!("Material of {of}"));
+            if more.on_hover_text("Its material: brightness, yarn, lean, how it scatters light.").clicked() {
+                state.open = (!is_open).then_some(yarn);
+            }
+        }
+    });
+    if state.open == Some(yarn) && design.length.map != LengthMap::Gray {
+        let pile = design.pile.clone();
+        ui.indent("material", |ui| material(ui, &mut entry, &pile));
+    }
+    if entry == before {
+        return None;
+    }
+    give_row(&mut design.length, yarns, entry);
+    Some("pile of a yarn".into())
+}
+
+/// What loops of a colour are: the table's row for it, or what they have in common.
+fn row_of(length: &Length, colour: Colour) -> LengthEntry {
+    let rule = LengthRule::new(length);
+    let nearest = rule.row(colour.0).and_then(|row| length.rows().get(row));
+    LengthEntry {
+        colour,
+        length: rule.length_mm(colour.0),
+        ..nearest.cloned().unwrap_or_default()
+    }
+}
+
+/// Gives a yarn a row of its own in the table of lengths, and every other that has none the one it had in common.
+fn give_row(length: &mut Length, yarns: &[YarnCount], entry: LengthEntry) {
+    let colours = yarns.iter().filter(|yarn| yarn.colour != BARE);
+    let colours = colours.map(|yarn| Colour([yarn.colour[0], yarn.colour[1], yarn.colour[2]]));
+    let own: Vec<LengthEntry> = colours.map(|colour| row_of(length, colour)).collect();
+    if length.map != LengthMap::Lut {
+        length.map = LengthMap::Lut;
+        length.table.clear();
+    }
+    for row in own {
+        if length.table.iter().all(|known| known.colour != row.colour) {
+            length.table.push(row);
+        }
+    }
+    if let Some(row) = length
+        .table
+        .iter_mut()
+        .find(|row| row.colour == entry.colour)
+    {
+        *row = entry;
+    }
+}
+
 /// Gives a yarn another colour. Its row in the table of lengths goes with it: the loops stay as long as they are.
 fn recolour(
     state: &mut State,
@@ -208,6 +304,14 @@ fn recolour(
 
 /// Gives everything of a chart that is one yarn another: pixels, and what lies on it.
 fn exchange(chart: &mut Chart, from: [u8; 4], to: [u8; 4]) {
+    let [before, after] = [from, to].map(|[r, g, b, _]| Colour([r, g, b]));
+    // A name goes with its yarn, unless that becomes one that has another.
+    if let Some(name) = chart.name_of(before).map(str::to_owned) {
+        chart.set_name(before, "");
+        if to != BARE && chart.name_of(after).is_none() {
+            chart.set_name(after, &name);
+        }
+    }
     match &chart.pixels {
         Some(image) => {
             let replaced = replace_yarn(image, from, to);

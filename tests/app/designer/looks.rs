@@ -133,6 +133,8 @@ fn windows_look_as_they_were_found_good() {
         "ready patterns",
         "question",
         "size of the screen",
+        "chart objects",
+        "new design",
     ];
     let in_dark = [
         "help",

@@ -30,7 +30,7 @@ pub struct State {
 pub const TALL: f32 = 5700.0;
 
 /// What a window of any size can show.
-pub const STATES: [State; 18] = [
+pub const STATES: [State; 20] = [
     State {
         name: "started",
         reach: |_| {},
@@ -125,6 +125,25 @@ pub const STATES: [State; 18] = [
             h.run_steps(20);
             click(h, "Edit chart");
             h.run_steps(20);
+        },
+    },
+    State {
+        name: "chart objects",
+        reach: |h| {
+            reach(h, "chart editor");
+            for kind in ["stripe across", "text"] {
+                click(h, "Add an object");
+                h.get_by_role_and_label(Role::Button, kind).click();
+                h.run_steps(8);
+            }
+        },
+    },
+    State {
+        name: "new design",
+        reach: |h| {
+            click(h, "File");
+            click(h, "New…");
+            h.run_steps(8);
         },
     },
     State {

@@ -117,8 +117,8 @@ impl Lettering {
     }
 }
 
-/// Gives an object that is a text without an outline the one of its font. Returns what is to be said of it, as the end of
-/// a sentence about the object.
+/// Gives an object that is a text without an outline the one of its font. Returns what is to be said of it, as the end
+/// of a sentence about the object.
 pub fn outline_text(object: &mut ChartObject) -> Option<String> {
     if object.kind != ObjectKind::Text || object.outline.is_some() {
         return None;

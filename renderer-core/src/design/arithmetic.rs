@@ -9,7 +9,8 @@ pub(super) struct Term {
     pub has_unit: bool,
 }
 
-/// Reads sums and products; `operand` reads a number with its unit, `unit` how many of what is asked for one of a unit is.
+/// Reads sums and products; `operand` reads a number with its unit, `unit` how many of what is asked for one of a unit
+/// is.
 ///
 /// # Errors
 /// What is wrong, as the end of a sentence about the text.

@@ -83,8 +83,8 @@ const KINDS: &[Kind] = &[
     },
 ];
 
-/// Reads what was typed where a number in `unit` is expected, a whole one if `integer`; what it is in that unit. Sums and
-/// products of numbers are read too: `140 cm / 3`.
+/// Reads what was typed where a number in `unit` is expected, a whole one if `integer`; what it is in that unit. Sums
+/// and products of numbers are read too: `140 cm / 3`.
 ///
 /// # Errors
 /// Why it cannot be read, as a sentence.

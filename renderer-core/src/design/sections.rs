@@ -182,8 +182,8 @@ section! {
             image: Option<String> = None;
             /// How texels are laid over the cells.
             fit: Fit = Fit::Stretch;
-            /// When stretched: a loop's colour is the mean of the pixels around it, as far as it is from loop to loop. For
-            /// photographs; without it a loop has the colour of the one pixel at its middle.
+            /// When stretched: a loop's colour is the mean of the pixels around it, as far as it is from loop to loop.
+            /// For photographs; without it a loop has the colour of the one pixel at its middle.
             average: bool = false;
             /// When tiling: every second repeat along the weft is mirrored.
             mirror_x: bool = false;
@@ -248,8 +248,8 @@ choice! {
 }
 
 section! {
-    /// Something on a chart, in mm of the cloth: x to the right and y away from the near edge, from the chart's middle. It
-    /// has the same size whatever the weave; how many loops that is, follows from it.
+    /// Something on a chart, in mm of the cloth: x to the right and y away from the near edge, from the chart's
+    /// middle. It has the same size whatever the weave; how many loops that is, follows from it.
     ChartObject, ChartObjectFields {
         numbers {
             /// How far its middle lies right of the chart's.
@@ -292,8 +292,8 @@ section! {
             reflect_x: bool = false;
             /// It and its repeats stand once more, mirrored about the chart's middle from the near to the far side.
             reflect_y: bool = false;
-            /// An image's loops have the mean colour of the pixels around them: for photographs. Without it a loop has the
-            /// colour of the one pixel at its middle.
+            /// An image's loops have the mean colour of the pixels around them: for photographs. Without it a loop has
+            /// the colour of the one pixel at its middle.
             average: bool = false;
             /// Path of the image, relative to the preset, read as `chart.image` is.
             #[serde(skip_serializing_if = "Option::is_none")]

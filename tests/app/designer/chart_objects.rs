@@ -1,5 +1,5 @@
-//! What lies on a chart, by mouse and keys: stripes, shapes, letters, pasted pictures; each gesture a step of the history;
-//! kept in the file until it is flattened.
+//! What lies on a chart, by mouse and keys: stripes, shapes, letters, pasted pictures; each gesture a step of the
+//! history; kept in the file until it is flattened.
 
 use std::sync::Arc;
 

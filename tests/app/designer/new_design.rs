@@ -1,5 +1,5 @@
-//! New designs: every kind of cloth, at its usual and at its most, is a design without faults whose parts fit each other;
-//! and the window that asks for one.
+//! New designs: every kind of cloth, at its usual and at its most, is a design without faults whose parts fit each
+//! other; and the window that asks for one.
 
 use egui::vec2;
 use egui_kittest::kittest::Queryable;

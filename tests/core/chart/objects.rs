@@ -1,4 +1,5 @@
-//! Objects on a chart: where each is drawn, at which size on the cloth, and that all that looks at a design sees the same.
+//! Objects on a chart: where each is drawn, at which size on the cloth, and that all that looks at a design sees the
+//! same.
 
 use std::borrow::Cow;
 

@@ -86,7 +86,8 @@ impl Canvas {
     }
 }
 
-/// Width and height of a pixel on the cloth as shares of their mean, so that a circle on the canvas is one on the cloth.
+/// Width and height of a pixel on the cloth as shares of their mean, so that a circle on the canvas is one on the
+/// cloth.
 fn pixel_shape(canvas: &ChartCanvas) -> Vec2 {
     let [width, height] = canvas.pixel_mm;
     let mean = (width * height).sqrt();

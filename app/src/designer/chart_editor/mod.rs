@@ -293,8 +293,8 @@ fn chart_canvas(design: &Design) -> ChartCanvas {
     ChartCanvas::of(&design.chart, &design.sheet)
 }
 
-/// Which of a chart's yarns is offered to paint with: the second, or what is there already where there is but one, since
-/// that one would not show.
+/// Which of a chart's yarns is offered to paint with: the second, or what is there already where there is but one,
+/// since that one would not show.
 fn first_paint(yarns: &[YarnCount]) -> Option<[u8; 4]> {
     let mut yarns = yarns.iter().filter(|yarn| yarn.colour != BARE);
     yarns.nth(1).map(|yarn| yarn.colour)

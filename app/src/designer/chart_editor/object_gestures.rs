@@ -1,5 +1,5 @@
-//! Gestures on what lies on the chart: laid there, moved, scaled, turned by the pointer or by keys, snapping to the chart's
-//! middle, its edges and guides.
+//! Gestures on what lies on the chart: laid there, moved, scaled, turned by the pointer or by keys, snapping to the
+//! chart's middle, its edges and guides.
 
 use egui::{CursorIcon, Key, Pos2, Rect, Response, Ui};
 use renderer_core::design::chart_objects::{ChartCanvas, Placed};
@@ -565,8 +565,8 @@ pub fn give_up(editor: &mut ChartEditor, chart: &mut Chart) {
     }
 }
 
-/// Takes keys for the object that is chosen: arrows move it, Delete removes it, Escape lets go of it. Returns whether they
-/// were for it.
+/// Takes keys for the object that is chosen: arrows move it, Delete removes it, Escape lets go of it. Returns whether
+/// they were for it.
 pub fn keyboard(
     ui: &Ui,
     editor: &mut ChartEditor,

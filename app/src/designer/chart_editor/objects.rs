@@ -104,8 +104,8 @@ pub fn set_text(object: &mut ChartObject, text: &str, font: Option<&str>) -> Res
     Ok(())
 }
 
-/// Lays a picture on the chart, in its middle: a pixel for a loop side by side, undistorted on the cloth, and smaller where
-/// that would hide most of the chart.
+/// Lays a picture on the chart, in its middle: a pixel for a loop side by side, undistorted on the cloth, and smaller
+/// where that would hide most of the chart.
 pub fn add_picture(design: &mut Design, pixels: ChartImage, path: Option<String>) -> bool {
     if design.chart.object.len() >= ChartObject::MAX {
         return false;

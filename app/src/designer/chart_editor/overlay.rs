@@ -1,5 +1,5 @@
-//! What is drawn over the chart: guides, what gestures snap to, the outline and handles of the chosen object, and its size
-//! while it changes.
+//! What is drawn over the chart: guides, what gestures snap to, the outline and handles of the chosen object, and its
+//! size while it changes.
 
 use egui::{
     Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Ui, Vec2, vec2,

@@ -39,8 +39,8 @@ impl Snapper {
         self
     }
 
-    /// How far something has to move so that one of these places of it lies on a line, and which; else so that the first
-    /// lies between two crossings.
+    /// How far something has to move so that one of these places of it lies on a line, and which; else so that the
+    /// first lies between two crossings.
     pub fn shift(&self, axis: usize, places: &[f64]) -> (f64, Option<f64>) {
         if self.reach[axis] < 0.0 {
             return (0.0, None);

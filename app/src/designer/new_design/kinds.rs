@@ -50,8 +50,8 @@ const CUT: f64 = 2.5;
 const CRIMP: f64 = 0.08;
 /// Ground warp and weft, tex: two-fold 25, and 34.
 const GROUND_TEX: [f64; 2] = [50.0, 34.0];
-/// Of pile yarn that a drawn loop stands for, tex. Calibrated by a published towel: ground ends 11.9/cm, 657 500 loops of 7.8 mm
-/// of 60 tex on a square metre weigh 307 g; as drawn there are three times as many loops.
+/// Of pile yarn that a drawn loop stands for, tex. Calibrated by a published towel: ground ends 11.9/cm, 657 500 loops
+/// of 7.8 mm of 60 tex on a square metre weigh 307 g; as drawn there are three times as many loops.
 const LOOP_TEX: f64 = 20.0;
 /// How much thicker the pile yarn of a bath mat is.
 const MAT_TEX: f64 = 1.8;

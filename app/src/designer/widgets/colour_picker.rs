@@ -1,9 +1,9 @@
-//! A button with a colour, which opens a picker: lightness, chroma and hue as strips and numbers, a* and b*, and the colour
-//! as text. What is typed and is no colour stays, in red, until it is mended.
+//! A button with a colour, which opens a picker: lightness, chroma and hue as strips and numbers, a* and b*, and the
+//! colour as text. What is typed and is no colour stays, in red, until it is mended.
 
 use egui::{
-    Button, Color32, Id, Key, Mesh, Popup, PopupCloseBehavior, Rect, Response, RichText, Role,
-    Sense, Shape, Stroke, StrokeKind, TextEdit, Ui, WidgetInfo, pos2, vec2,
+    Button, Color32, Id, Key, Mesh, Popup, PopupCloseBehavior, Rect, Response, RichText, Sense,
+    Shape, Stroke, StrokeKind, TextEdit, Ui, WidgetInfo, pos2, vec2,
 };
 
 use super::NumberField;

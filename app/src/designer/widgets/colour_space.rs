@@ -1,5 +1,5 @@
-//! CIE L*a*b* and its cylinder L*C*h of sRGB colours, for the white of sRGB (D65, 2° observer), as colour atlases of yarns
-//! and measuring devices give them.
+//! CIE L*a*b* and its cylinder L*C*h of sRGB colours, for the white of sRGB (D65, 2° observer), as colour atlases of
+//! yarns and measuring devices give them.
 
 /// XYZ of linear sRGB (IEC 61966-2-1).
 const XYZ: [[f64; 3]; 3] = [

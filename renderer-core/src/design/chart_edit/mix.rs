@@ -3,8 +3,8 @@
 use super::oklab::{linear, nearest_srgb};
 use super::{BARE, yarn_of};
 
-/// A colour laid over another: the more of it, the more `opacity` (0 to 1) says. Yarn and bare ground do not mix: the one
-/// with the larger share stays.
+/// A colour laid over another: the more of it, the more `opacity` (0 to 1) says. Yarn and bare ground do not mix: the
+/// one with the larger share stays.
 pub fn mixed(below: [u8; 4], above: [u8; 4], opacity: f64) -> [u8; 4] {
     let (below, above) = (yarn_of(below), yarn_of(above));
     if below == BARE || above == BARE {

@@ -1,7 +1,7 @@
 //! Objects on a chart: stripes, shapes, letters and pictures, drawn into the chart's pixels.
 //!
-//! Objects are in mm of the cloth, x to the right and y away from the near edge, from the middle of the chart; pixels are
-//! crossings of the cloth, or what a stretched image has. A pixel belongs to an object where its middle does.
+//! Objects are in mm of the cloth, x to the right and y away from the near edge, from the middle of the chart; pixels
+//! are crossings of the cloth, or what a stretched image has. A pixel belongs to an object where its middle does.
 
 mod fill;
 mod glyph_path;

@@ -205,6 +205,8 @@ fn nothing_is_cut_off_or_overlaps_in_any_panel() {
             all.extend(faults.map(|fault| format!("{scale}, {place}: {fault}")));
         };
         look(&harness, "as opened");
+        click(&mut harness, "Rows by colour");
+        harness.run_steps(20);
         click(&mut harness, "More of row 1");
         click(&mut harness, "Reduce to yarns…");
         choose(&mut harness, "Fit", Fit::Place.label());

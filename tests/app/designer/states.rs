@@ -141,9 +141,8 @@ pub const STATES: [State; 20] = [
     State {
         name: "new design",
         reach: |h| {
-            click(h, "File");
-            click(h, "New…");
-            h.run_steps(8);
+            click(h, "Toolbar: New");
+            h.run_steps(16);
         },
     },
     State {

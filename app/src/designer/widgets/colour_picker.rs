@@ -178,7 +178,7 @@ pub fn hex_field(ui: &mut Ui, rgb: &mut [u8; 3]) -> Response {
         *rgb = read;
     }
     let keeps = !is_given_up && (response.has_focus() || rgb_of_hex(&text).is_none());
-    remember(ui, id, keeps.then(|| (text, *rgb)));
+    remember(ui, id, keeps.then_some((text, *rgb)));
     if is_refused {
         return response.on_hover_text(
             "This is no colour, so the one before stays: write six digits, #1f3a6e.",

@@ -178,7 +178,7 @@ fn a_striped_towel_with_a_logo_is_put_together_by_mouse_and_keys() {
     assert_eq!(undo_name(&harness), "flatten all objects");
     undo(&mut harness);
     assert_eq!(design(&harness).chart, design_now.chart);
-    while objects(&harness).len() > 0 {
+    while !objects(&harness).is_empty() {
         undo(&mut harness);
     }
     assert_eq!(undo_name(&harness), "new chart");

@@ -453,6 +453,21 @@ fn the_time_left_counts_down_steadily_though_the_pace_changes() {
         largest_rise < 0.5,
         "rose by {largest_rise} s in a tenth of a second"
     );
+    // What is expected before counts down until a share of the work tells more, and never to nothing.
+    let mut expected = TimeLeft::expecting(Duration::from_secs(100));
+    assert_eq!((expected.seconds(), expected.share()), (Some(100.0), 0.0));
+    expected.note(Duration::from_secs(40), 0.0);
+    assert_eq!((expected.seconds(), expected.share()), (Some(60.0), 0.4));
+    expected.note(Duration::from_secs(200), 0.0);
+    assert_eq!(expected.seconds(), Some(1.0));
+    // It was wrong: a quarter is done after 200 s.
+    for second in 200..400 {
+        expected.note(Duration::from_secs(second), second as f64 / 800.0);
+    }
+    assert!(
+        (expected.seconds().unwrap_or_default() - 401.0).abs() < 40.0,
+        "{expected:?}"
+    );
     assert_eq!(TimeLeft::default().seconds(), None);
     assert!(TimeLeft::default().text().contains("estimating"));
 }

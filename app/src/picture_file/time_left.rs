@@ -17,10 +17,30 @@ const FIRST_SECONDS: f64 = 1.0;
 const PATIENCE: f64 = 0.25;
 
 impl TimeLeft {
+    /// What is expected before anything is done.
+    pub fn expecting(time: Duration) -> Self {
+        Self {
+            elapsed: 0.0,
+            left: Some(time.as_secs_f64()),
+        }
+    }
+
+    /// Share of the whole time that has passed; 0 while nothing is known.
+    pub fn share(&self) -> f64 {
+        let whole = self.left.map(|left| self.elapsed + left);
+        whole
+            .filter(|whole| *whole > 0.0)
+            .map_or(0.0, |whole| self.elapsed / whole)
+    }
+
     /// Takes note that `share` of the work was done after `elapsed`.
     pub fn note(&mut self, elapsed: Duration, share: f64) {
         let now = elapsed.as_secs_f64();
         if share < FIRST_SHARE || now < FIRST_SECONDS {
+            // A large picture's first sample may take minutes: what was expected counts down.
+            let passed = (now - self.elapsed).max(0.0);
+            self.left = self.left.map(|left| (left - passed).max(1.0));
+            self.elapsed = now;
             return;
         }
         let by_rate = now * (1.0 - share.min(1.0)) / share;

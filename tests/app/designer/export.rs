@@ -16,6 +16,7 @@ use towel_designer::backend::BackendChoice;
 use towel_designer::designer::{App, MakeBackend, Setup};
 use towel_designer::files;
 
+use super::filing::User;
 use super::{choose, click, design, designer, rest, setup, type_number, type_path, wait, window};
 
 type Refusal = fn() -> RenderError;
@@ -289,9 +290,15 @@ fn a_long_export_shows_its_progress_beside_editing_and_is_cancelled_at_once() {
     });
     // More than a minute, as soon as a hundredth of the samples took a second.
     wait(&mut harness, "the time left", |h| {
-        h.query_by_label_contains(" min left").is_some()
+        h.query_all_by_label_contains(" min left").count() > 0
     });
     harness.get_by_role(Role::ProgressIndicator);
+    // Where the window is closed the status bar goes on telling, and opens it again.
+    harness.get_by_label("Close window").click();
+    harness.run_steps(5);
+    assert!(harness.query_by_label("Cancel export").is_none());
+    harness.get_by_label_contains("Exporting ").click();
+    harness.run_steps(5);
     type_number(&mut harness, "Warps", "77");
     assert_eq!(design(&harness).sheet.warps, 77, "editing goes on");
 
@@ -439,4 +446,66 @@ fn a_full_disk_is_reported_and_the_design_goes_on() {
     });
     harness.get_by_label_contains("No space left");
     assert_eq!(*design(&harness), Design::default());
+}
+
+#[test]
+fn quality_has_names_and_numbers_of_ones_own_have_none() {
+    let mut harness = with_gray(None);
+    open(&mut harness);
+    choose(&mut harness, "Quality", "Draft, 16 samples");
+    assert_eq!(number(&harness, "Export samples"), 16.0);
+    choose(&mut harness, "Quality", "Best, 256 samples");
+    assert_eq!(number(&harness, "Export samples"), 256.0);
+    let shown = |harness: &Harness<'_, App>| {
+        let quality = harness.get_by_role_and_label(Role::ComboBox, "Quality");
+        quality.value().expect("a value")
+    };
+    assert_eq!(shown(&harness), "Best");
+    type_number(&mut harness, "Export samples", "100");
+    assert_eq!(shown(&harness), "Own");
+    wait(&mut harness, "an estimate", |h| {
+        h.query_by_label_contains("Takes about").is_some()
+    });
+}
+
+#[test]
+fn true_size_is_that_of_the_cloth() {
+    let mut harness = with_gray(None);
+    click(&mut harness, "Toolbar: Front");
+    harness.get_by_label("Viewport").focus();
+    harness.run_steps(2);
+    harness.key_press(Key::O);
+    harness.run_steps(3);
+    let high = harness.state().viewport().camera.orthographic_height;
+    let high = high.expect("a parallel projection");
+    open(&mut harness);
+    click(&mut harness, "True size");
+    assert!(
+        (number(&harness, "Print height") - high).abs() < 0.1,
+        "{high} mm"
+    );
+    harness.get_by_label_contains("the cloth is printed at 100 %");
+    type_number(&mut harness, "Print height", &format!("{}", high / 2.0));
+    harness.get_by_label_contains("the cloth is printed at 50 %");
+}
+
+#[test]
+fn size_and_quality_are_those_of_the_last_picture() {
+    let user = User::new();
+    let mut harness = user.start(None);
+    open(&mut harness);
+    type_number(&mut harness, "Export width", "64");
+    type_number(&mut harness, "Export height", "48");
+    type_number(&mut harness, "Export samples", "3");
+    export_to(&mut harness, &user.at("small.png"));
+    wait(&mut harness, "the file", |h| {
+        h.query_by_label("Exported").is_some()
+    });
+    open(&mut harness);
+    assert_eq!(size(&harness), [64.0, 48.0]);
+    drop(harness);
+    let mut harness = user.start(None);
+    open(&mut harness);
+    assert_eq!(size(&harness), [64.0, 48.0]);
+    assert_eq!(number(&harness, "Export samples"), 3.0);
 }

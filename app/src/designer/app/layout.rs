@@ -33,6 +33,7 @@ impl App {
     fn show_bars(&mut self, ui: &mut Ui, frame: Frame) {
         let (document, viewport, has_presets) =
             (&self.document, &self.viewport, self.shell.has_presets);
+        let export = self.export.under_way();
         let (settings, commands) = (&self.filing.settings, &mut self.shell.commands);
         Panel::top("menu").frame(frame).show(ui, |ui| {
             bars::menu(ui, document, viewport, settings, has_presets, commands);
@@ -42,7 +43,7 @@ impl App {
             bars::toolbar(ui, document, viewport, has_presets, commands);
         });
         Panel::bottom("status").frame(frame).show(ui, |ui| {
-            status::show(ui, &document.design, viewport, commands);
+            status::show(ui, &document.design, viewport, export, commands);
         });
     }
 

@@ -2,6 +2,7 @@
 //! `view`.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use egui::Context;
 use renderer_core::design::Design;
@@ -53,8 +54,10 @@ impl App {
             Command::ShowPresets(shows) => self.filing.settings.shows_presets = Some(shows),
             Command::ClearRecent => self.filing.settings.recent.clear(),
             Command::Export => {
-                let design = &self.document.design;
-                self.export.open(design, self.viewport.size());
+                let (design, viewport) = (&self.document.design, &self.viewport);
+                let last = self.filing.settings.export;
+                self.export
+                    .open(design, &viewport.camera, last, viewport.size());
             }
             Command::AskForNew => self.new_design.is_open = true,
             Command::Undo => self.document.undo(),
@@ -112,11 +115,20 @@ impl App {
             carried,
             camera: camera.clone(),
         };
+        self.filing.settings.export = Some(self.export.settings());
         self.export.start(path, subject, ctx);
     }
 
+    /// The document's design as the viewport shares it.
+    fn shown_design(&self) -> Arc<Design> {
+        let requested = self.viewport.requested().map(|requested| &requested.design);
+        let shared = requested.filter(|design| ***design == self.document.design);
+        shared.map_or_else(|| Arc::new(self.document.design.clone()), Arc::clone)
+    }
+
     pub(super) fn take_export(&mut self, ctx: &Context) {
-        match self.export.show(ctx, &self.document.design) {
+        let design = self.shown_design();
+        match self.export.show(ctx, &design, &self.viewport.camera) {
             Some(Event::AskForFile(ending)) => {
                 let purpose = match ending {
                     "exr" => Purpose::ExportExr,

@@ -6,6 +6,8 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use renderer_core::design::Quality;
+use renderer_core::render::MAX_SIDE;
 use serde::{Deserialize, Serialize};
 
 use crate::designer::widgets::UnitSystem;
@@ -55,6 +57,23 @@ pub struct Settings {
     pub folders: BTreeMap<String, PathBuf>,
     /// The folder that Open Image Denoise is taken from; without, it is looked for.
     pub denoiser_folder: Option<PathBuf>,
+    /// How the last picture was exported.
+    pub export: Option<ExportSettings>,
+}
+
+/// Size and quality of an exported picture.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ExportSettings {
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// Samples of a pixel at which it is done.
+    pub samples: u32,
+    /// Estimated relRMSE at which it is done.
+    pub error: Option<f64>,
+    /// Seconds after which it is done.
+    pub seconds: Option<f64>,
+    /// Pixels an inch on paper.
+    pub dots_per_inch: f64,
 }
 
 /// The folder that the settings in a folder name for Open Image Denoise, if they can be read and name one.
@@ -76,6 +95,7 @@ impl Default for Settings {
             open_panels: BTreeMap::new(),
             folders: BTreeMap::new(),
             denoiser_folder: None,
+            export: None,
         }
     }
 }
@@ -139,6 +159,7 @@ impl Settings {
         self.panels_width = self.panels_width.filter(usable);
         self.presets_width = self.presets_width.filter(usable);
         self.recent.truncate(MOST_RECENT);
+        self.export = self.export.filter(ExportSettings::is_possible);
         self
     }
 
@@ -161,5 +182,18 @@ impl Settings {
         let smaller = SCALES.into_iter().rev().find(|scale| *scale < self.scale);
         let next = if step > 0 { larger } else { smaller };
         next.unwrap_or(self.scale)
+    }
+}
+
+impl ExportSettings {
+    fn is_possible(&self) -> bool {
+        let sides = self.size.iter().all(|side| (1..=MAX_SIDE).contains(side));
+        let samples = Quality::FIELDS.samples;
+        let is_within = |value: Option<f64>, most: f64| value.is_none_or(|v| v > 0.0 && v <= most);
+        sides
+            && (samples.min..=samples.max).contains(&f64::from(self.samples))
+            && is_within(self.error, 1.0)
+            && is_within(self.seconds, 600_000.0)
+            && (10.0..=2400.0).contains(&self.dots_per_inch)
     }
 }

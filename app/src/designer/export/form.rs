@@ -3,12 +3,14 @@
 use std::time::Duration;
 
 use egui::{ComboBox, Grid, Ui};
-use renderer_core::design::{Design, Method, Quality};
+use renderer_core::design::{CameraDesign, Design, Method, Quality};
 use renderer_core::image::ExrLayer;
 use renderer_core::render::MAX_SIDE;
 
 use crate::backend::BackendChoice;
+use crate::designer::document::settings::ExportSettings;
 use crate::designer::shell::view_bar::{BACKENDS, backend_name};
+use crate::designer::viewport::camera_moves;
 use crate::designer::widgets::{NumberField, check_box};
 use crate::picture_file::{BAND_BYTES, Bands};
 
@@ -65,7 +67,26 @@ pub(super) struct Form {
     error: Option<f64>,
     seconds: Option<f64>,
     viewport: [u32; 2],
+    /// How much of the cloth is as high as the picture, at the middle of the view, mm.
+    cloth_mm: f64,
 }
+
+/// Quality by name: how many samples it is, and what that is for. Numbers of one's own have no name.
+const QUALITIES: [(&str, u32, &str); 3] = [
+    (
+        "Draft",
+        16,
+        "Noisy, soon there: to see whether all is right.",
+    ),
+    (
+        "Good",
+        64,
+        "For screens: a little noise is left where one looks closely.",
+    ),
+    ("Best", 256, "For print: clean but for the darkest parts."),
+];
+/// What a quality is called that has no name.
+const OWN: &str = "Own";
 
 /// Millimetres of an inch.
 const INCH_MM: f64 = 25.4;
@@ -94,16 +115,54 @@ impl Form {
             error: None,
             seconds: None,
             viewport: [800, 600],
+            cloth_mm: 0.0,
         }
     }
 
-    /// Takes over what a design asks for, and the viewport's shape.
-    pub fn begin(&mut self, design: &Design, viewport: [u32; 2]) {
+    /// Takes over size and quality of the last picture; where there was none what a design asks for, at twice the
+    /// viewport's size.
+    pub fn begin(
+        &mut self,
+        design: &Design,
+        camera: &CameraDesign,
+        last: Option<ExportSettings>,
+        viewport: [u32; 2],
+    ) {
         self.viewport = viewport;
-        self.set_size(viewport.map(|side| 2 * side));
+        self.cloth_mm = camera_moves::picture_height_mm(camera);
         let quality = &design.quality;
-        self.samples = quality.samples;
-        self.error = (quality.error > 0.0).then_some(quality.error);
+        let last = last.unwrap_or(ExportSettings {
+            size: viewport.map(|side| 2 * side),
+            samples: quality.samples,
+            error: (quality.error > 0.0).then_some(quality.error),
+            seconds: None,
+            dots_per_inch: self.dots_per_inch,
+        });
+        self.set_size(last.size);
+        (self.samples, self.error, self.seconds) = (last.samples, last.error, last.seconds);
+        self.dots_per_inch = last.dots_per_inch;
+    }
+
+    /// Size and quality, to be remembered.
+    pub fn settings(&self) -> ExportSettings {
+        ExportSettings {
+            size: self.size,
+            samples: self.samples,
+            error: self.error,
+            seconds: self.seconds,
+            dots_per_inch: self.dots_per_inch,
+        }
+    }
+
+    /// The number of pixels times samples that is made at most.
+    pub fn most_samples(&self) -> f64 {
+        let pixels = self.size.map(f64::from);
+        pixels[0] * pixels[1] * f64::from(self.samples)
+    }
+
+    /// Whether the picture may be done before it has all of its samples.
+    pub fn may_end_sooner(&self) -> bool {
+        self.error.is_some()
     }
 
     /// The error to stop at; 0 for none.
@@ -146,13 +205,21 @@ impl Form {
     }
 
     /// Shows the form. Whether the picture is to be made.
-    pub fn show(&mut self, ui: &mut Ui, design: &Design) -> bool {
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        design: &Design,
+        camera: &CameraDesign,
+        estimate: &str,
+    ) -> bool {
+        self.cloth_mm = camera_moves::picture_height_mm(camera);
         Grid::new("export")
             .num_columns(2)
             .spacing([12.0, 6.0])
             .show(ui, |ui| {
                 self.file_type(ui);
                 self.sizes(ui);
+                self.quality(ui);
                 self.stops(ui);
                 ui.label("Background");
                 check_box(ui, &mut self.transparent, "transparent").on_hover_text(
@@ -181,6 +248,7 @@ impl Form {
             "{pixels:.1} megapixels, about {memory:.0} MB of memory{pieces}. The picture shows the cloth as the \
             viewport does."
         ));
+        ui.label(estimate);
         ui.add_space(6.0);
         let fault = self.in_the_way(design);
         if let Some(fault) = &fault {
@@ -278,6 +346,9 @@ impl Form {
         ui.label("Print");
         ui.horizontal(|ui| self.print(ui));
         ui.end_row();
+        ui.label("");
+        ui.horizontal(|ui| self.true_size(ui));
+        ui.end_row();
     }
 
     fn size_to_choose(&mut self, ui: &mut Ui, name: &str, size: [u32; 2]) {
@@ -324,6 +395,62 @@ impl Form {
             self.dots_per_inch = dots;
             self.size = in_mm.map(|mm| pixels(mm, dots));
         }
+    }
+
+    /// How large the cloth is on paper beside what it is, and a button that makes both the same.
+    fn true_size(&mut self, ui: &mut Ui) {
+        let paper_mm = f64::from(self.size[1]) / self.dots_per_inch * INCH_MM;
+        let share = paper_mm / self.cloth_mm;
+        let is_known = share.is_finite() && share > 0.0;
+        let what = "Makes the picture as large on paper as the cloth that it shows: of a view in perspective, the cloth \
+            at its middle. Where that is more pixels than a picture can have, the resolution is lower.";
+        let button = ui.add_enabled(is_known, egui::Button::new("True size"));
+        if button.on_hover_text(what).clicked() {
+            self.set_true_size();
+        }
+        if is_known {
+            ui.weak(format!("the cloth is printed at {}", percent(share)));
+        }
+    }
+
+    fn set_true_size(&mut self) {
+        let [width, height] = self.size.map(f64::from);
+        let inches = self.cloth_mm / INCH_MM;
+        let most = f64::from(MAX_SIDE) / (inches * (width / height).max(1.0));
+        self.dots_per_inch = self.dots_per_inch.min(most).clamp(10.0, 2400.0);
+        let high = inches * self.dots_per_inch;
+        self.set_size([high * width / height, high].map(|side| side.round() as u32));
+    }
+
+    /// Draft, Good or Best: each sets the numbers below.
+    fn quality(&mut self, ui: &mut Ui) {
+        let has_stops = self.error.is_some() || self.seconds.is_some();
+        let named = QUALITIES
+            .iter()
+            .find(|(_, samples, _)| !has_stops && *samples == self.samples);
+        let (name, what) = named.map_or((OWN, "As the numbers below say."), |(name, _, what)| {
+            (*name, *what)
+        });
+        let label = ui.label("Quality");
+        ComboBox::from_id_salt("export quality")
+            .width(170.0)
+            .selected_text(name)
+            .show_ui(ui, |ui| {
+                for (choice, samples, what) in QUALITIES {
+                    let text = format!("{choice}, {samples} samples");
+                    if ui
+                        .selectable_label(choice == name, text)
+                        .on_hover_text(what)
+                        .clicked()
+                    {
+                        (self.samples, self.error, self.seconds) = (samples, None, None);
+                    }
+                }
+            })
+            .response
+            .labelled_by(label.id)
+            .on_hover_text(what);
+        ui.end_row();
     }
 
     fn stops(&mut self, ui: &mut Ui) {
@@ -422,4 +549,13 @@ fn optional(ui: &mut Ui, value: &mut Option<f64>, quantity: Quantity) {
             ui.weak(quantity.unit);
         }
     });
+}
+
+/// `100 %`, `64 %`, `4.2 %`.
+fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    match percent {
+        ..9.95 => format!("{percent:.1} %"),
+        _ => format!("{percent:.0} %"),
+    }
 }

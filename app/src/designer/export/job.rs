@@ -21,6 +21,9 @@ use crate::designer::tasks::Task;
 use crate::files;
 use crate::picture_file::{self, BAND_BYTES, Failure, Format, Standing, TimeLeft};
 
+/// The window shows how far an export is so often.
+const SHOWN_EVERY: Duration = Duration::from_millis(250);
+
 /// What to render and where to write it.
 pub(super) struct ExportRequest {
     pub path: PathBuf,
@@ -37,6 +40,8 @@ pub(super) struct ExportRequest {
     pub takes_design: bool,
     pub dots_per_inch: f64,
     pub choice: BackendChoice,
+    /// How long it is expected to take.
+    pub expected: Option<Duration>,
 }
 
 /// How it ended, if it did not fail.
@@ -59,11 +64,13 @@ pub(super) struct ExportJob {
 impl ExportJob {
     /// Starts.
     pub fn start(request: Arc<ExportRequest>, make: MakeBackend, ctx: &Context) -> Self {
-        let progress = Arc::<Mutex<(Standing, TimeLeft)>>::default();
+        let left = request.expected.map(TimeLeft::expecting);
+        let progress = Arc::new(Mutex::new((Standing::default(), left.unwrap_or_default())));
         let cancel = Arc::<AtomicBool>::default();
         let (path, samples) = (request.path.clone(), request.samples);
         let (there, cancel_there, repaint) =
             (Arc::clone(&progress), Arc::clone(&cancel), ctx.clone());
+        let mut shown = None::<Instant>;
         // What comes before the first sample says nothing of how fast samples come.
         let mut begun = None::<Instant>;
         let report = move |standing: &Standing| {
@@ -73,7 +80,12 @@ impl ExportJob {
                 let begun = begun.get_or_insert_with(Instant::now);
                 now.1.note(begun.elapsed(), standing.share);
             }
-            repaint.request_repaint();
+            drop(now);
+            // Where the processor draws the window, every frame of it is taken from the picture.
+            if shown.is_none_or(|then| then.elapsed() >= SHOWN_EVERY) {
+                shown = Some(Instant::now());
+                repaint.request_repaint();
+            }
         };
         let task = Task::start(ctx, move || request.carry_out(&make, &cancel_there, report));
         Self {
@@ -85,10 +97,15 @@ impl ExportJob {
         }
     }
 
-    /// Where it stands, how long it will still take, and how many samples are wanted.
+    /// Where it stands, how long it will still take, and how many samples are wanted. Before a large picture's first
+    /// sample is whole its share is that of the time.
     pub fn progress(&self) -> (Standing, TimeLeft, u32) {
         let now = self.progress.lock().unwrap_or_else(PoisonError::into_inner);
-        (now.0, now.1, self.samples)
+        let (mut standing, left) = *now;
+        if standing.samples == 0 && standing.share < 1.0 {
+            standing.share = standing.share.max(left.share());
+        }
+        (standing, left, self.samples)
     }
 }
 

@@ -1,11 +1,13 @@
 //! The export window: what picture to make, how far the one in work is, and what came of it. Rendering and writing
 //! (`job`) go on beside editing; the file is whole or not there.
 
+mod estimate;
 mod form;
 mod job;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
 
 use egui::{Align2, Context, ProgressBar, ScrollArea, Ui, Window};
 use renderer_core::design::{CameraDesign, Design};
@@ -13,10 +15,12 @@ use renderer_core::image::Depth;
 
 use crate::backend::BackendChoice;
 use crate::denoiser::MakeDenoiser;
+use crate::designer::document::settings::ExportSettings;
 use crate::designer::render_thread::renderer::MakeBackend;
 use crate::designer::tasks::Poll;
 use crate::files::Carried;
 use crate::picture_file::Format;
+use estimate::Estimate;
 use form::{FileType, Form};
 use job::{ExportJob, ExportRequest, Outcome};
 
@@ -30,7 +34,20 @@ pub struct Export {
     make: MakeBackend,
     denoiser: MakeDenoiser,
     form: Form,
+    estimate: Estimate,
+    /// What the last estimate was.
+    expected: Option<Duration>,
     job: Option<ExportJob>,
+}
+
+/// How far an export is.
+pub struct UnderWay {
+    /// The file's name.
+    pub name: String,
+    /// Share of the whole work, 0 to 1.
+    pub share: f64,
+    /// How long it still takes, in words.
+    pub left: String,
 }
 
 /// What a picture shows.
@@ -64,16 +81,41 @@ impl Export {
             make,
             denoiser,
             form: Form::new(choice),
+            estimate: Estimate::default(),
+            expected: None,
             job: None,
         }
     }
 
-    /// Opens the window for a design, with the viewport's shape.
-    pub fn open(&mut self, design: &Design, viewport: [u32; 2]) {
+    /// Opens the window for a design, with size and quality of the last picture or else the viewport's shape.
+    pub fn open(
+        &mut self,
+        design: &Design,
+        camera: &CameraDesign,
+        last: Option<ExportSettings>,
+        viewport: [u32; 2],
+    ) {
         if !self.is_open && self.job.is_none() {
-            self.form.begin(design, viewport);
+            self.form.begin(design, camera, last, viewport);
         }
         self.is_open = true;
+    }
+
+    /// Size and quality as they were chosen last.
+    pub fn settings(&self) -> ExportSettings {
+        self.form.settings()
+    }
+
+    /// What is being exported, if anything is.
+    pub fn under_way(&self) -> Option<UnderWay> {
+        let job = self.job.as_ref()?;
+        let (standing, left, _) = job.progress();
+        let name = job.path.file_name().unwrap_or(job.path.as_os_str());
+        Some(UnderWay {
+            name: name.to_string_lossy().into_owned(),
+            share: standing.share,
+            left: left.text(),
+        })
     }
 
     /// Starts to render what is to be seen, and to write it to `path`.
@@ -91,6 +133,7 @@ impl Export {
             takes_design: self.form.takes_design,
             dots_per_inch: self.form.dots_per_inch,
             choice: self.form.choice,
+            expected: self.expected.take(),
         };
         self.job = Some(ExportJob::start(
             Arc::new(request),
@@ -112,11 +155,23 @@ impl Export {
     }
 
     /// Shows the window for the design as it is now and looks after the job.
-    pub fn show(&mut self, ctx: &Context, design: &Design) -> Option<Event> {
+    pub fn show(
+        &mut self,
+        ctx: &Context,
+        design: &Arc<Design>,
+        camera: &CameraDesign,
+    ) -> Option<Event> {
         let mut event = self.take_outcome();
         if event.is_some() {
             return event;
         }
+        if !self.is_open || self.job.is_some() {
+            self.estimate = Estimate::default();
+        }
+        if !self.is_open {
+            return None;
+        }
+        let estimate = self.estimate_text(ctx, design, camera);
         let mut is_open = self.is_open;
         let mut is_cancelled = false;
         let room = ctx.content_rect();
@@ -132,7 +187,10 @@ impl Export {
                 None => {
                     // In a small window the form is higher than that.
                     let form = ScrollArea::vertical().max_height(room.height() - AROUND_FORM);
-                    if form.show(ui, |ui| self.form.show(ui, design)).inner {
+                    if form
+                        .show(ui, |ui| self.form.show(ui, design, camera, &estimate))
+                        .inner
+                    {
                         event = Some(Event::AskForFile(self.form.file_type.ending()));
                     }
                 }
@@ -144,6 +202,29 @@ impl Export {
         }
         self.is_open = is_open;
         event
+    }
+
+    /// How long the picture takes that the form describes.
+    fn estimate_text(
+        &mut self,
+        ctx: &Context,
+        design: &Arc<Design>,
+        camera: &CameraDesign,
+    ) -> String {
+        if self.job.is_some() {
+            return String::new();
+        }
+        let [width, height] = self.form.size.map(f64::from);
+        let subject = estimate::Subject {
+            design: Arc::clone(design),
+            camera: camera.clone(),
+            choice: self.form.choice,
+            proportion: width / height,
+        };
+        let cost = self.estimate.cost(ctx, &subject, &self.make);
+        let (samples, limit) = (self.form.most_samples(), self.form.time_limit());
+        self.expected = cost.map(|cost| cost.rendering(samples, limit));
+        estimate::text(cost, samples, limit, self.form.may_end_sooner())
     }
 
     /// What came of the job, once it has ended; nothing of one that was cancelled.

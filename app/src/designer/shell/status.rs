@@ -4,6 +4,7 @@ use egui::{Color32, RichText, Sense, Sides, Stroke, StrokeKind, TextStyle, Ui, v
 use renderer_core::design::Design;
 use renderer_core::render::BackendKind;
 
+use crate::designer::export::UnderWay;
 use crate::designer::render_thread::draft_lighting::LiveLight;
 use crate::designer::render_thread::{Denoising, ViewState};
 use crate::designer::shell::command::Command;
@@ -13,7 +14,13 @@ use crate::designer::viewport::{Viewport, progress_text};
 use crate::designer::widgets::shortened;
 
 /// Shows the status bar.
-pub fn show(ui: &mut Ui, design: &Design, viewport: &Viewport, commands: &mut Vec<Command>) {
+pub fn show(
+    ui: &mut Ui,
+    design: &Design,
+    viewport: &Viewport,
+    export: Option<UnderWay>,
+    commands: &mut Vec<Command>,
+) {
     Sides::new().shrink_left().truncate().show(
         ui,
         |ui| left(ui, viewport),
@@ -21,9 +28,23 @@ pub fn show(ui: &mut Ui, design: &Design, viewport: &Viewport, commands: &mut Ve
             device(ui, viewport, commands);
             light(ui, design, viewport, commands);
             denoising(ui, viewport, commands);
+            if let Some(export) = export {
+                exporting(ui, &export, commands);
+            }
             readout(ui, viewport);
         },
     );
+}
+
+/// How far an export is; a click opens its window.
+fn exporting(ui: &mut Ui, export: &UnderWay, commands: &mut Vec<Command>) {
+    let UnderWay { name, share, left } = export;
+    let text = format!("Exporting {:.0} % · {left}", 100.0 * share);
+    let what =
+        format!("{name} is being rendered beside editing. Click to see more, or to cancel it.");
+    if ui.button(text).on_hover_text(what).clicked() {
+        commands.push(Command::Export);
+    }
 }
 
 /// One thing that the status bar says, and what it means.

@@ -24,6 +24,7 @@ mod ready_patterns;
 mod rendering;
 mod scripts;
 mod states;
+mod steady;
 mod thumbnails;
 mod typed;
 mod view;

@@ -15,6 +15,7 @@
 //! | `render_job` | a picture in work, and the ladder of sizes it climbs |
 //! | `stand_in`, `fallback` | the processor in place of a GPU that is not ready, or has failed |
 //! | `renderer`, `display_table` | a backend, and how its pictures become frames of the window |
+//! | `known` | what is known of a picture before it is drawn, and how both are joined |
 //! | `denoising` | the thread that denoises pictures, and when |
 //! | `draft_lighting` | what the viewport estimates instead of tracing it |
 //! | `workers` | the threads that render, behind those of the window in priority |
@@ -24,6 +25,7 @@ mod denoising;
 mod display_table;
 pub mod draft_lighting;
 mod fallback;
+mod known;
 mod render_job;
 pub mod renderer;
 mod stand_in;

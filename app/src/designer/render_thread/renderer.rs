@@ -91,11 +91,16 @@ impl Renderer {
 /// another exposure.
 #[derive(Default)]
 pub struct DisplayTransform {
-    picture: Option<Picture>,
+    picture: Option<Arc<Picture>>,
     table: DisplayTable,
 }
 
 impl DisplayTransform {
+    /// The picture that was shown last, unless that is a texture.
+    pub fn picture(&self) -> Option<&Arc<Picture>> {
+        self.picture.as_ref()
+    }
+
     /// The picture so far. Where `softness` is above 0, pixels that were read back are mixed with their neighbours:
     /// less sharp, less noisy.
     pub fn frame(
@@ -106,17 +111,16 @@ impl DisplayTransform {
     ) -> Result<Option<DisplayFrame>, RenderError> {
         match renderer {
             Renderer::Within(backend) => {
+                self.picture = None;
                 Ok(backend.show(display)?.cloned().map(DisplayFrame::Texture))
             }
             Renderer::Apart(backend) => {
                 let picture = backend.picture()?;
-                self.picture = Some(if softness > 0.0 {
-                    softened(&picture, softness)
-                } else {
-                    picture
-                });
-                self.table.set(display);
-                Ok(self.encoded())
+                let shown = match softness > 0.0 {
+                    true => softened(&picture, softness),
+                    false => picture,
+                };
+                Ok(self.frame_of(Arc::new(shown), display))
             }
         }
     }
@@ -128,10 +132,10 @@ impl DisplayTransform {
         display: Display,
     ) -> Result<Option<DisplayFrame>, RenderError> {
         match renderer {
-            Renderer::Within(backend) => {
+            Renderer::Within(backend) if self.picture.is_none() => {
                 Ok(backend.show(display)?.cloned().map(DisplayFrame::Texture))
             }
-            Renderer::Apart(_) => {
+            Renderer::Within(_) | Renderer::Apart(_) => {
                 self.table.set(display);
                 Ok(self.encoded())
             }
@@ -139,7 +143,7 @@ impl DisplayTransform {
     }
 
     /// A picture from elsewhere, which becomes the last one.
-    pub fn frame_of(&mut self, picture: Picture, display: Display) -> Option<DisplayFrame> {
+    pub fn frame_of(&mut self, picture: Arc<Picture>, display: Display) -> Option<DisplayFrame> {
         self.picture = Some(picture);
         self.table.set(display);
         self.encoded()

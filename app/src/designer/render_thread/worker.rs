@@ -1,6 +1,7 @@
 //! What the thread does: takes a request, makes its scene and its picture, and answers failures.
 
 mod denoised;
+mod joined;
 mod preview;
 
 use std::sync::Arc;
@@ -14,6 +15,7 @@ use renderer_core::render::{Progress, RenderError, RenderRequest};
 use renderer_core::scene::lod::{LodBudget, LodCloth, LodCompiler, LodPlan};
 use renderer_core::scene::{self, Cancel, ChartYarns, CompileError};
 
+use self::joined::Knowledge;
 use super::denoising::{DenoiseThread, Denoised};
 use super::fallback::{Fallback, Remedy};
 use super::render_job::RenderJob;
@@ -30,6 +32,8 @@ const SLICE: Duration = Duration::from_millis(50);
 const SHORT_SLICE: Duration = Duration::from_millis(12);
 /// A scene that is made within this time is not given up for a newer request: it still shows where a drag is going.
 const FINISHED_ANYWAY: Duration = Duration::from_millis(400);
+/// The first picture of an edit is drawn to its end for so long, in seconds, whatever else is requested meanwhile.
+const OWED: f64 = 0.15;
 /// Scenes are given up for so long; then one is made to its end, so that an endless drag shows something too.
 const GIVING_UP: Duration = Duration::from_secs(2);
 
@@ -74,6 +78,7 @@ pub struct Worker<'a> {
     loops_took: Duration,
     job: Option<RenderJob>,
     transform: DisplayTransform,
+    known: Knowledge,
     /// How the last picture was shown.
     display: Option<Display>,
     denoising: DenoiseThread,
@@ -111,6 +116,7 @@ impl<'a> Worker<'a> {
             loops_took: Duration::ZERO,
             job: None,
             transform: DisplayTransform::default(),
+            known: Knowledge::default(),
             display: None,
             denoising: DenoiseThread::start(denoiser, shared),
             denoised: None,
@@ -124,19 +130,30 @@ impl<'a> Worker<'a> {
     pub fn run(&mut self) {
         loop {
             let is_working = self.job.as_ref().is_some_and(|job| !job.is_done);
-            let mut result = match self.shared.next_mail(is_working, self.denoising.is_busy()) {
-                Mail::Stop => return,
-                Mail::Request(view) => {
-                    self.view = Some(view);
-                    self.take_request()
-                }
-                Mail::Denoiser(outcome) => self.take_denoised(outcome),
-                Mail::None => self.advance(),
+            let mut result = match self.owes_picture() {
+                true => self.advance(),
+                false => match self.shared.next_mail(is_working, self.denoising.is_busy()) {
+                    Mail::Stop => return,
+                    Mail::Request(view) => {
+                        self.view = Some(view);
+                        self.take_request()
+                    }
+                    Mail::Denoiser(outcome) => self.take_denoised(outcome),
+                    Mail::None => self.advance(),
+                },
             };
             while let Err(failure) = result {
                 result = self.answer(failure);
             }
         }
+    }
+
+    /// Whether the picture in work comes before whatever is requested now: that of an edit, which would else not be seen
+    /// before a drag ends, for a moment.
+    fn owes_picture(&self) -> bool {
+        let job = self.job.as_ref();
+        let is_young = |job: &RenderJob| !job.is_done && job.is_new() && job.seconds < OWED;
+        job.is_some_and(is_young) && self.known.is_of_edit()
     }
 
     fn publish(&self, change: impl FnOnce(&mut ViewState)) {
@@ -184,6 +201,7 @@ impl<'a> Worker<'a> {
         let Some(view) = self.view.clone() else {
             return Ok(());
         };
+        self.expect(&view)?;
         let has_preview = self.preview(&view)?;
         let cloth = self.cloth_of(&view, has_preview)?;
         if self.fallback.choose(view.choice, view.attempt) {
@@ -209,6 +227,7 @@ impl<'a> Worker<'a> {
             Some(job) if job.goes_on_as(&request) => job.go_on_as(request),
             _ => {
                 self.job = Some(RenderJob::new(request, self.cost));
+                self.known.start_size();
                 self.forget_denoised();
             }
         }
@@ -338,6 +357,7 @@ impl<'a> Worker<'a> {
 
     /// One slice of work on the job.
     fn advance(&mut self) -> Result<(), Failure> {
+        let is_owed = self.owes_picture();
         let (Some(job), Some((_, renderer))) = (&mut self.job, &mut self.renderer) else {
             return Ok(());
         };
@@ -350,7 +370,9 @@ impl<'a> Worker<'a> {
         }
         let start = Instant::now();
         let drawing = self.stand_in.drawing(renderer);
-        let progress = advance(drawing, &self.shared.cancel)?;
+        let never = AtomicBool::new(false);
+        let cancel = if is_owed { &never } else { &self.shared.cancel };
+        let progress = advance(drawing, cancel)?;
         self.progress = progress;
         let (cost, is_due) = job.note(progress, start.elapsed().as_secs_f64());
         if !matches!(self.stand_in, StandIn::Draws(_)) {
@@ -373,6 +395,7 @@ impl<'a> Worker<'a> {
     /// Goes on with a picture twice as large, or rests.
     fn climb(&mut self) -> Result<(), Failure> {
         if self.job.as_mut().is_some_and(RenderJob::climb) {
+            self.expect_what_is_shown();
             self.progress = Progress::default();
             return self.begin();
         }
@@ -382,20 +405,29 @@ impl<'a> Worker<'a> {
 
     /// Publishes the picture so far.
     fn show(&mut self, progress: Progress) -> Result<(), Failure> {
-        let (Some(job), Some((_, renderer)), Some(view)) =
-            (&mut self.job, &mut self.renderer, &self.view)
-        else {
+        let (Some(job), Some(view)) = (&self.job, &self.view) else {
             return Ok(());
         };
         let start = Instant::now();
         let (display, softness) = (view.display, job.softness(progress.samples));
-        let transform = &mut self.transform;
-        let drawing = self.stand_in.shown(renderer);
         // A denoised picture stays until the next one: plain ones in between would flicker.
         let stays = self.denoised.is_some() && view.denoises;
-        let frame = match stays {
+        let is_whole = !job.is_reduced();
+        let joined = match stays {
             true => None,
-            false => Some(workers::with_all(|| {
+            false => self.joined(is_whole, progress.samples, progress.done)?,
+        };
+        let (Some(job), Some((_, renderer))) = (&mut self.job, &mut self.renderer) else {
+            return Ok(());
+        };
+        let transform = &mut self.transform;
+        let drawing = self.stand_in.shown(renderer);
+        let frame = match (stays, joined) {
+            (true, _) => None,
+            (false, Some(joined)) => Some(workers::with_all(|| {
+                transform.frame_of(Arc::new(joined), display)
+            })),
+            (false, None) => Some(workers::with_all(|| {
                 transform.frame(drawing, display, softness)
             })?),
         };
@@ -405,6 +437,7 @@ impl<'a> Worker<'a> {
         if !stays {
             self.display = Some(display);
             self.shows_denoised = false;
+            self.note_shown();
         }
         self.publish(|state| {
             if let Some(frame) = frame {

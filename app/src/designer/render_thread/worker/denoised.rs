@@ -1,5 +1,7 @@
 //! Denoised pictures in place of plain ones: when one is made, and when it is shown.
 
+use std::sync::Arc;
+
 use renderer_core::image::Display;
 use renderer_core::render::Progress;
 
@@ -57,20 +59,25 @@ impl Worker<'_> {
 
     /// Publishes the last denoised picture, unless it is shown like that.
     pub(super) fn show_denoised(&mut self, display: Display) {
-        let Some(denoised) = &self.denoised else {
-            return;
-        };
         if self.shows_denoised && self.display == Some(display) {
             return;
         }
-        let (transform, mix) = (&mut self.transform, &denoised.mix);
-        let frame = workers::with_all(|| transform.frame_of(mix.picture.clone(), display));
+        let Some(denoised) = self.denoised.take() else {
+            return;
+        };
+        let (samples, mix) = (denoised.samples, &denoised.mix);
+        let joined = self.joined_with(&mix.picture, samples, mix.error);
+        let picture = joined.unwrap_or_else(|| mix.picture.clone());
+        let transform = &mut self.transform;
+        let frame = workers::with_all(|| transform.frame_of(Arc::new(picture), display));
         let part = DenoisedPart {
-            samples: denoised.samples,
+            samples,
             share: mix.share,
             error: mix.error,
         };
+        self.denoised = Some(denoised);
         (self.display, self.shows_denoised) = (Some(display), true);
+        self.note_shown();
         self.publish(|state| {
             state.show(frame);
             state.picture.denoised = Some(part);

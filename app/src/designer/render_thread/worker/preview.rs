@@ -10,6 +10,7 @@ use renderer_core::render::{Progress, RenderRequest, Settings};
 use renderer_core::scene::lod::{LodPlan, LodRegion, LodView};
 use renderer_core::scene::{Cancel, PreviewScene};
 
+use super::super::stand_in::StandIn;
 use super::super::{Stage, ViewRequest, coarse_preview, workers};
 use super::{FINISHED_ANYWAY, Failure, Worker, advance};
 
@@ -25,7 +26,9 @@ impl Worker<'_> {
         };
         // Whatever was in work is of another design.
         self.job = None;
+        self.stand_in = StandIn::None;
         self.forget_denoised();
+        self.known.start_size();
         let Some((_, renderer)) = &mut self.renderer else {
             return Ok(false);
         };
@@ -42,9 +45,16 @@ impl Worker<'_> {
             }
             progress = advance(renderer, &never)?;
         }
-        let transform = &mut self.transform;
-        let frame = workers::with_all(|| transform.frame(renderer, view.display, 0.0))?;
+        let joined = self.joined(false, progress.samples, false)?;
+        let (transform, Some((_, renderer))) = (&mut self.transform, &mut self.renderer) else {
+            return Ok(false);
+        };
+        let frame = workers::with_all(|| match joined {
+            Some(joined) => Ok(transform.frame_of(Arc::new(joined), view.display)),
+            None => transform.frame(renderer, view.display, 0.0),
+        })?;
         (self.display, self.shows_denoised) = (Some(view.display), false);
+        self.note_shown();
         self.publish(|state| {
             state.show(frame);
             state.picture.denoised = None;

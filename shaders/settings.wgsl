@@ -37,6 +37,8 @@ override SKY: u32 = 0u;
 override SAMPLED_ENVIRONMENT: bool = false;
 // First samples may take their shadows from a cache.
 override CACHED_SHADOWS: bool = false;
+// Where paths are cut off, some go on to teach how good the estimate is.
+override BOUNCED_LIGHT: bool = false;
 // The cloth is bent, or pulled by a net.
 override BENT: bool = false;
 // The picture shows the cloth at several levels of detail.

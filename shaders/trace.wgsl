@@ -88,6 +88,8 @@ fn shadow(
     bounce: u32,
     cached: bool,
     entry: u32,
+    // What would arrive with nothing in the way, directly and by multiple scattering.
+    unhindered: vec2<f32>,
     random: ptr<function, Pcg>,
 ) -> vec2<f32> {
     if cached {
@@ -101,13 +103,25 @@ fn shadow(
     }
     let traced = visibility(at, towards_light, bounce, random);
     if cached {
-        learn_shadow(entry, traced);
+        learn_shadow(entry, traced, unhindered);
     }
     return vec2<f32>(traced);
 }
 
+fn brightest(colour: vec3<f32>) -> f32 {
+    return max(max(colour.x, colour.y), colour.z);
+}
+
+// Light that a point scatters towards the eye.
+struct Lit {
+    // After this scattering.
+    light: vec3<f32>,
+    // After further ones, as estimated.
+    estimate: vec3<f32>,
+}
+
 // Step 6: what arrives at a point from the lights and is scattered towards the eye.
-fn lit(
+fn lit_at(
     at: Scatter,
     rotation: Rotation,
     towards_eye: vec3<f32>,
@@ -115,8 +129,8 @@ fn lit(
     seed: u32,
     sample: u32,
     random: ptr<function, Pcg>,
-) -> vec3<f32> {
-    var sum = vec3<f32>();
+) -> Lit {
+    var lit = Lit();
     // `tracked`, and later scatterings, meet the environment where a path escapes, unless it is drawn.
     let is_cut_off = PATH_CUTOFF && bounce == slice.path_cutoff;
     let looks_last = LAST_LOOKS && METHOD == METHOD_TRACKED && bounce == slice.bounces;
@@ -124,10 +138,12 @@ fn lit(
     let sky = ENVIRONMENT && (SAMPLED_ENVIRONMENT || is_cut_off || looks_last || composited);
     let sources = SUN_COUNT + AREA_COUNT;
     let lights = sources + u32(sky);
-    let cached = CACHED_SHADOWS && sample < slice.cached_shadows;
+    // Where later scatterings lie, less light comes than to what the camera sees beside them.
+    var cached = CACHED_SHADOWS && bounce == 1u && sample < slice.cached_shadows;
     var entry = 0u;
     if cached {
         entry = shadow_entry(at, random);
+        cached = entry != NO_ENTRY;
     }
     // The environment is the last light: one body for all, since everything here is inlined.
     for (var i = 0u; i < lights; i++) {
@@ -160,20 +176,28 @@ fn lit(
             share = drawn.weight * environment_radiance(world_from_sheet(rotation, drawn.direction));
             diffuse_share = share;
         }
-        if is_cut_off || max(max(share.x, share.y), share.z) > 0.0 {
+        if is_cut_off || brightest(share) > 0.0 {
             let direction = world_from_sheet(rotation, towards_light);
-            let visible = shadow(at, direction, bounce, cached, known, random);
-            sum += counts * share * visible.x;
+            let up = max(select(-1.0, 1.0, at.point.z >= 0.0) * towards_light.z, 0.0);
+            let unhindered = vec2<f32>(brightest(share), up * brightest(diffuse_share)) / max(brightest(at.albedo), 1.0e-3);
+            let visible = shadow(at, direction, bounce, cached, known, unhindered, random);
+            lit.light += counts * share * visible.x;
             if is_cut_off {
-                sum += diffuse_share * multiple_scattering(at, towards_light, visible.y);
+                lit.estimate += diffuse_share * multiple_scattering(at, towards_light, visible.y);
             }
         }
     }
-    return sum;
+    return lit;
 }
 
-fn trace_path(camera_ray: Ray, film: vec4<f32>, seed: u32, sample: u32) -> Path {
+// `learns`: the path goes on where others are cut off, to teach how good the estimate is.
+fn trace_path(camera_ray: Ray, film: vec4<f32>, seed: u32, sample: u32, learns: bool) -> Path {
     var random = pcg_new(seed, sample);
+    var is_learning = false;
+    var learning_at = 0u;
+    var estimate = vec3<f32>();
+    // The path's radiance up to where it would be cut off.
+    var seen = vec3<f32>();
     var path = Path(scene.background.xyz, no_scatter());
     var throughput = vec3<f32>(1.0);
     var ray = camera_ray;
@@ -185,8 +209,13 @@ fn trace_path(camera_ray: Ray, film: vec4<f32>, seed: u32, sample: u32) -> Path 
             }
             path = Path(vec3<f32>(), at);
         } else if at.what == NOTHING {
-            // After the first scattering of `single` and `layered` the environment has been counted already.
-            if SHADOWS && !SAMPLED_ENVIRONMENT && (METHOD == METHOD_TRACKED || bounce > 2u) {
+            // After the first scattering of `single` and `layered`, and of a path that learns, the environment has been
+            // counted already.
+            var is_counted = false;
+            if BOUNCED_LIGHT {
+                is_counted = bounce == slice.path_cutoff + 1u;
+            }
+            if !is_counted && SHADOWS && !SAMPLED_ENVIRONMENT && (METHOD == METHOD_TRACKED || bounce > 2u) {
                 path.radiance += throughput * environment_radiance(ray.direction);
             }
             break;
@@ -196,10 +225,26 @@ fn trace_path(camera_ray: Ray, film: vec4<f32>, seed: u32, sample: u32) -> Path 
         }
         let rotation = rotation_at(at);
         let towards_eye = sheet_from_world(rotation, -ray.direction);
-        path.radiance += throughput * lit(at, rotation, towards_eye, bounce, seed, sample, &random);
-
-        if PATH_CUTOFF && bounce == slice.path_cutoff {
-            break;
+        let lit = lit_at(at, rotation, towards_eye, bounce, seed, sample, &random);
+        path.radiance += throughput * lit.light;
+        if PATH_CUTOFF {
+            var further = lit.estimate;
+            if BOUNCED_LIGHT {
+                if bounce == slice.path_cutoff {
+                    let entry = bounced_entry(at, &random);
+                    further *= bounced_correction(entry);
+                    is_learning = learns && is_learning_bounces(entry);
+                    learning_at = entry;
+                    estimate = lit.estimate;
+                    seen = path.radiance + further;
+                    further = vec3<f32>();
+                    path.radiance = select(seen, vec3<f32>(), is_learning);
+                }
+            }
+            path.radiance += throughput * further;
+            if bounce == slice.path_cutoff && !is_learning {
+                break;
+            }
         }
         // The way on: to the environment if it escapes, else to the next scattering.
         if METHOD != METHOD_TRACKED && !LONG_PATHS {
@@ -221,13 +266,19 @@ fn trace_path(camera_ray: Ray, film: vec4<f32>, seed: u32, sample: u32) -> Path 
             }
         }
         if bounce >= ROULETTE_FROM {
-            let survival = min(max(max(throughput.x, throughput.y), throughput.z), 1.0);
+            let survival = min(brightest(throughput), 1.0);
             if onward.z >= survival {
                 break;
             }
             throughput /= survival;
         }
         ray = ray_from(at.cell, at.point, onward_direction);
+    }
+    if BOUNCED_LIGHT {
+        if is_learning {
+            learn_bounces(learning_at, path.radiance, estimate);
+            path.radiance = seen;
+        }
     }
     return path;
 }
@@ -238,8 +289,8 @@ struct Place {
     is_inside: bool,
     // Its tile's place among those that are drawn.
     drawn_tile: u32,
-    // Its row in the whole picture.
-    row: u32,
+    // In the whole picture.
+    pixel: vec2<u32>,
     in_tile: vec2<u32>,
     seed: u32,
     first_sum: u32,
@@ -256,7 +307,7 @@ fn place_of(id: vec3<u32>) -> Place {
     return Place(
         has_turn && drawn_tile < slice.end_tile && all(in_picture < slice.size),
         drawn_tile,
-        slice.corner.y + in_picture.y,
+        slice.corner + in_picture,
         in_tile,
         pixel_seed(slice.seed, slice.corner + in_picture),
         sum_index(tile, in_tile),
@@ -286,13 +337,17 @@ fn trace_main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     for (var sample = slice.first_sample; sample < slice.end_sample; sample++) {
         if LEVELS {
-            if level_of(place.row, place.seed, sample) != slice.level {
+            if level_of(place.pixel.y, place.seed, sample) != slice.level {
                 continue;
             }
         }
         let film = sample_set(place.seed, sample, SET_FILM);
         let camera = film_ray(place, film.xy);
-        let path = trace_path(camera.ray, film, place.seed, sample);
+        var learns = false;
+        if BOUNCED_LIGHT {
+            learns = learns_bounces(place.pixel, sample);
+        }
+        let path = trace_path(camera.ray, film, place.seed, sample, learns);
         let met = path.first.what != NOTHING;
         colour += vec4<f32>(path.radiance, f32(met));
         let signed_sum = dot(path.radiance, channel_signs(place.in_tile));

@@ -9,6 +9,7 @@
 mod agreement;
 mod arrows;
 mod bounced;
+mod bounced_light;
 mod chart;
 mod chart_edit;
 mod chart_loops;

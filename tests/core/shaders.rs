@@ -60,12 +60,12 @@ fn specialise(parts: &[Part], entry: &str, constants: &[(&str, f64)]) -> naga::M
 }
 
 /// How many values each feature of [`key_of`] has.
-const CHOICES: [usize; 26] = [
-    4, 5, 3, 3, 3, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2,
+const CHOICES: [usize; 27] = [
+    4, 5, 3, 3, 3, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2,
 ];
 
 /// The key that has one value of each feature.
-fn key_of(values: &[usize; 26]) -> PipelineKey {
+fn key_of(values: &[usize; 27]) -> PipelineKey {
     let on = |place: usize| values[place] == 1;
     let methods = [
         Method::Single,
@@ -97,15 +97,16 @@ fn key_of(values: &[usize; 26]) -> PipelineKey {
         owen: on(14),
         sampled_environment: on(15),
         cached_shadows: on(16),
-        bent: on(17),
-        levels: on(18),
-        aov: on(19),
-        counters: on(20),
-        filter_f32: on(21),
-        opaque_rays: on(22),
-        hidden_ground: on(23),
-        last_looks: on(24),
-        later_lights: on(25),
+        bounced_light: on(17),
+        bent: on(18),
+        levels: on(19),
+        aov: on(20),
+        counters: on(21),
+        filter_f32: on(22),
+        opaque_rays: on(23),
+        hidden_ground: on(24),
+        last_looks: on(25),
+        later_lights: on(26),
     }
 }
 
@@ -199,6 +200,8 @@ pub fn preset_keys() -> Vec<PipelineKey> {
         let live = PipelineKey {
             cached_shadows: true,
             path_cutoff: true,
+            bounced_light: request.settings.bounces > 1,
+            long_paths: request.settings.bounces > 1,
             ..several_levels
         };
         let filed = PipelineKey {
@@ -267,7 +270,7 @@ fn functions_for(key: &PipelineKey) -> BTreeSet<String> {
 
 #[test]
 fn a_pipeline_has_no_function_that_its_constants_rule_out() {
-    let mut values = [0; 26];
+    let mut values = [0; 27];
     // Lit, with ground yarns.
     (values[2], values[6], values[13]) = (1, 1, 1);
     let single = key_of(&values);

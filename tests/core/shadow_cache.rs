@@ -1,6 +1,7 @@
 //! Shadows that a picture's first samples share (`Settings::cached_shadows`): the grid, what is saved, what it costs in
 //! accuracy, and when what was learned is kept.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -63,7 +64,6 @@ fn points_ask_texels_around_them() {
     for pixel_mm in [0.07, 0.2, 0.5] {
         let grid = grid(pixel_mm, |_| {});
         let [x, y, _] = grid.texels.map(|n| n as usize);
-        let lights = grid.lights as usize;
         assert!(grid.layers_below > 0 && grid.layers_below < grid.texels[2]);
         let below_plane = x * y * grid.layers_below as usize;
         let mut random = Pcg::new(7, 0);
@@ -71,15 +71,13 @@ fn points_ask_texels_around_them() {
         for _ in 0..10_000 {
             let [px, py] = [next(), next()].map(|share| 20.0 * share - 10.0);
             let point = DVec3::new(px, py, 6.0 * next() - 3.0);
-            let entry = grid.entry(point, [next(), next(), next()]);
-            assert!(entry % lights == 0 && entry < grid.entries());
+            let texel = grid.texel(point, [next(), next(), next()]);
+            assert!(grid.index(texel) < grid.len());
             // Never through the plane of the sheet, where shadows change most.
-            assert_eq!(entry / lights < below_plane, point.z < 0.0, "{point}");
-            let place =
-                |texel: usize| [texel % x, texel / x % y, texel / (x * y)].map(|n| n as i64);
-            let own = place(grid.entry(point, [0.5; 3]) / lights);
-            for (a, b) in place(entry / lights).into_iter().zip(own) {
-                assert!((a - b).abs() <= 1);
+            assert_eq!(grid.index(texel) < below_plane, point.z < 0.0, "{point}");
+            let own = grid.texel(point, [0.5; 3]);
+            for (a, b) in texel.into_iter().zip(own) {
+                assert!(a.abs_diff(b) <= 1);
             }
         }
         // A point asks its two nearest texels along x by their distance from it.
@@ -87,7 +85,7 @@ fn points_ask_texels_around_them() {
         let left = -0.5 * f64::from(small_towel().sheet.warps);
         let times = |place: f64| {
             let point = DVec3::new((left + place * cells) * pitch(), 0.1, 1.0);
-            let column = |r: f64| (grid.entry(point, [r, 0.5, 0.5]) / lights) % x;
+            let column = |r: f64| grid.texel(point, [r, 0.5, 0.5])[0];
             (0..1000)
                 .filter(|k| column((f64::from(*k) + 0.5) / 1000.0) == place as usize)
                 .count()
@@ -119,7 +117,10 @@ fn texels_are_some_pixels_wide_and_fit_their_room() {
     for cells in [16, 128, 512, 1024, 4000] {
         for pixel_mm in [0.01, 0.1, 1.0, 10.0] {
             let grid = of(cells, pixel_mm);
-            assert!(grid.entries() <= 1 << 22, "{grid:?}");
+            let [x, y] = grid.pages();
+            assert!(x * y <= 1 << 20, "{grid:?}");
+            let room = grid.most_pages() * grid.page_entries();
+            assert!((1..=1 << 22).contains(&room), "{grid:?}");
             let whole_sheet = grid.texels[0] == 1 && grid.texels[1] == 1;
             assert!(
                 whole_sheet || width_mm(&grid) >= TEXEL_PX * pixel_mm,
@@ -131,6 +132,28 @@ fn texels_are_some_pixels_wide_and_fit_their_room() {
             }
         }
     }
+}
+
+#[test]
+fn every_texel_has_a_place_of_its_own() {
+    let grid = grid(0.2, |design| {
+        (design.sheet.warps, design.sheet.wefts) = (41, 23);
+        design.length.value = 2.0;
+    });
+    let [x, y, z] = grid.texels.map(|n| n as usize);
+    let mut places = HashSet::new();
+    for texel in (0..z).flat_map(|z| (0..y).flat_map(move |y| (0..x).map(move |x| [x, y, z]))) {
+        let (page, place) = grid.place(texel);
+        let [across, along] = grid.pages();
+        assert!(page < (across * along) as usize);
+        assert!(place % grid.lights as usize == 0 && place < grid.page_entries());
+        assert!(places.insert((page, place)), "{texel:?}");
+    }
+    // Wider ones are whole cells.
+    let of_cells = grid.of_cells(&compile(&small_towel()).unwrap(), 100);
+    assert!(
+        of_cells.len() <= 100 && of_cells.per_cell == 1 && of_cells.texels[2] == grid.texels[2]
+    );
 }
 
 #[test]

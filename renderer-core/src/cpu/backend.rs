@@ -49,7 +49,7 @@ impl HostTracer for Tracer {
     }
 
     fn learn(&self, samples: u32) {
-        self.learn_shadows(samples);
+        self.learn_light(samples);
     }
 
     fn bytes(&self) -> u64 {

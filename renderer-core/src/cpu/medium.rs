@@ -9,6 +9,7 @@ use super::{Scratch, Tracer};
 use crate::geometry::Ray;
 use crate::optics::Vertex;
 use crate::render::accumulation::Sample;
+use crate::render::bounced_light::BouncedLight;
 use crate::render::shadow_cache::ShadowCache;
 use crate::sampling::Pcg;
 use crate::transport::{Candidate, Medium, PathInputs, PathTracer, Start};
@@ -59,6 +60,11 @@ impl<L: Lanes> Medium for InLanes<'_, L> {
     #[inline(always)]
     fn shadow_cache(&self, number: u32) -> Option<&ShadowCache> {
         self.tracer.shadow_cache(number)
+    }
+
+    #[inline(always)]
+    fn bounced_light(&self) -> Option<&BouncedLight> {
+        self.tracer.bounced_light.as_deref()
     }
 
     #[inline(always)]

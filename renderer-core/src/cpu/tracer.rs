@@ -8,6 +8,7 @@ use super::ground::GroundHit;
 use super::scratch::Scratch;
 use crate::design::Method;
 use crate::geometry::{Camera, Ray};
+use crate::render::bounced_light::{BouncedKey, BouncedLight};
 use crate::render::shadow_cache::{ShadowCache, ShadowKey};
 use crate::render::{Optimisation, RenderRequest, Settings};
 
@@ -26,6 +27,8 @@ pub struct Tracer {
     pub(super) tracks_last_looks: bool,
     /// What earlier samples, and pictures of the same cloth in the same light, know of shadows.
     pub(super) shadow_cache: Option<Arc<ShadowCache>>,
+    /// What they know of light that goes on where paths are cut off.
+    pub(super) bounced_light: Option<Arc<BouncedLight>>,
 }
 
 impl Tracer {
@@ -39,8 +42,13 @@ impl Tracer {
         let optimisations = settings.optimisations;
         let kept = last.and_then(|last| last.shadow_cache.as_ref());
         let shadow_cache = ShadowKey::new(request).map(|key| match kept {
-            Some(kept) if kept.key().is_same(&key) => Arc::clone(kept),
+            Some(kept) if kept.key().is_same(&key) && !kept.is_crowded() => Arc::clone(kept),
             _ => Arc::new(ShadowCache::new(key)),
+        });
+        let kept = last.and_then(|last| last.bounced_light.as_ref());
+        let bounced_light = BouncedKey::new(request).map(|key| match kept {
+            Some(kept) if kept.key().is_same(&key) => Arc::clone(kept),
+            _ => Arc::new(BouncedLight::new(key)),
         });
         Self {
             cloth: Cloth::new(request.scene(), last.map(|last| &last.cloth)),
@@ -58,6 +66,7 @@ impl Tracer {
                 && settings.path_cutoff().unwrap_or(settings.bounces) == 1
                 && optimisations.has(Optimisation::WeighedEvents),
             shadow_cache,
+            bounced_light,
         }
     }
 
@@ -68,16 +77,23 @@ impl Tracer {
         cache.filter(|_| self.settings.caches_shadows(number))
     }
 
-    /// Lets later samples know the shadows of the first `samples`.
-    pub(super) fn learn_shadows(&self, samples: u32) {
+    /// Lets later samples know what the first `samples` have learned of shadows and of light that goes on.
+    pub(super) fn learn_light(&self, samples: u32) {
         if let Some(cache) = self.shadow_cache(samples) {
             cache.finalise();
+        }
+        if let Some(bounced) = &self.bounced_light
+            && self.settings.caches_shadows(samples - 1)
+        {
+            bounced.finalise();
         }
     }
 
     /// Bytes of what is held beside the scene.
     pub(super) fn held_bytes(&self) -> u64 {
-        self.cloth.bytes() + self.shadow_cache.as_ref().map_or(0, |cache| cache.bytes())
+        self.cloth.bytes()
+            + self.shadow_cache.as_ref().map_or(0, |cache| cache.bytes())
+            + self.bounced_light.as_ref().map_or(0, |light| light.bytes())
     }
 
     /// The part of a ray, out of `part`, in the box around loops and ground.

@@ -22,7 +22,7 @@ use super::readback;
 use super::schedule::{Dispatch, Pace, Schedule};
 use super::shadow_memory::ShadowMemory;
 use super::upload::SceneBuffers;
-use super::work::Work;
+use super::work::{Work, may_learn_bounces};
 
 /// Longest dispatch to aim for: what shares the device with us, a desktop perhaps, waits no longer.
 const LONGEST_DISPATCH: Duration = Duration::from_millis(100);
@@ -263,10 +263,18 @@ impl Backend for GpuBackend {
             return Ok(());
         };
         let accumulation = Accumulation::new(&self.context, request, before, &self.shadows)?;
+        let known = PipelineKey::new(request.scene(), &request.settings, self.filter_f32);
+        let learns_bounces = may_learn_bounces(&self.context, &request.settings)
+            && (self.shadows.iter().flatten()).all(ShadowMemory::learns_bounces)
+            && !self.shadows.is_empty();
+        let cached_shadows = self.shadows.iter().all(Option::is_some);
+        let bounced_light = cached_shadows && learns_bounces;
         let key = PipelineKey {
-            cached_shadows: self.shadows.iter().all(Option::is_some),
+            cached_shadows,
+            bounced_light,
+            long_paths: known.long_paths || bounced_light,
             levels: request.level_count() > 1,
-            ..PipelineKey::new(request.scene(), &request.settings, self.filter_f32)
+            ..known
         };
         let pipeline = self.pipelines.trace.get(key, &scene.group)?;
         self.work = Some(Work {
@@ -325,7 +333,7 @@ impl Backend for GpuBackend {
             self.pace.learn(dispatch.paths(), begun.elapsed());
             let before = samples;
             let samples = work.schedule.samples();
-            if caches && samples > before && work.request.settings.caches_shadows(samples) {
+            if caches && samples > before && work.request.settings.caches_shadows(before) {
                 for shadows in self.shadows.iter().flatten() {
                     shadows.finalise(&self.context, &self.pipelines)?;
                 }

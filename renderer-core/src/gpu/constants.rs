@@ -7,7 +7,7 @@ use crate::design::{Light, Phase};
 use crate::geometry::tolerances;
 use crate::image::display;
 use crate::optics::{limits, multiple_scattering, surface};
-use crate::render::{accumulation, shadow_cache};
+use crate::render::{accumulation, bounced_light, shadow_cache};
 use crate::sampling::{self, Set};
 use crate::scene::Sky;
 
@@ -177,10 +177,38 @@ constants! {
     COUNT_HIDDEN_RAYS: u32 = 7;
     /// Index of the counter of shadow rays that the cache saved.
     COUNT_CACHED_RAYS: u32 = 8;
+    /// Word of the counters' buffer with the rooms that pages of the shadow cache have taken.
+    LEARNED_ROOMS: u32 = 20;
+    /// Word with the rooms there are.
+    LEARNED_MOST_ROOMS: u32 = 21;
+    /// Word with the entries of a page.
+    LEARNED_PAGE_ENTRIES: u32 = 22;
+    /// Word with the first word of the means of shadows.
+    LEARNED_MEANS: u32 = 23;
+    /// Word with the first word of their sums.
+    LEARNED_SUMS: u32 = 24;
+    /// Word with the steps of those sums in a radiance of 1, as bits.
+    LEARNED_SHADOW_SCALE: u32 = 25;
+    /// Word with the first word of the ratios of light that goes on.
+    LEARNED_RATIOS: u32 = 26;
+    /// Word with the number of their texels.
+    LEARNED_BOUNCED: u32 = 27;
+    /// Word with the number of them along x.
+    LEARNED_BOUNCED_X: u32 = 28;
+    /// Word with the number of them along y.
+    LEARNED_BOUNCED_Y: u32 = 29;
+    /// Word with the binary logarithm of their cells along each side.
+    LEARNED_BOUNCED_SHIFT: u32 = 30;
+    /// Word with the steps of their sums in a radiance of 1, as bits.
+    LEARNED_BOUNCED_SCALE: u32 = 31;
+    /// Width and height of a page of the shadow cache, texels.
+    PAGE_SIDE: u32 = shadow_cache::PAGE_SIDE;
+    /// Words of the sums of one of its entries.
+    SHADOW_SUMS: u32 = 5;
+    /// Most steps of light that a shadow ray counts for.
+    SHADOW_MOST_STEPS: f32 = (shadow_cache::MOST_LIGHT * shadow_cache::SUM_STEPS) as f32;
     /// Word of the counters' buffer at which shadows begin.
     SHADOWS_FROM: u32 = 32;
-    /// Steps of a sum of shadows from 0 to 1.
-    SHADOW_STEPS: f32 = shadow_cache::SUM_STEPS as f32;
     /// Steps of a mean from 0 to 1.
     SHADOW_MEAN_STEPS: f32 = shadow_cache::MEAN_STEPS as f32;
     /// Marks a mean that is final.
@@ -191,6 +219,22 @@ constants! {
     ALL_RAYS: u32 = shadow_cache::ALL_RAYS;
     /// Share of rays that are traced until then.
     TRACED_SHARE: f32 = shadow_cache::TRACED_SHARE;
+    /// Words of the sums of a texel of light that goes on.
+    BOUNCED_SUMS: u32 = 7;
+    /// Width and height of the blocks of pixels that learn of it together are 2 to this, pixels.
+    BOUNCED_BLOCK_SHIFT: u32 = bounced_light::BLOCK_SHIFT;
+    /// Blocks learn whose hash is below this.
+    BOUNCED_CHANCE: u32 = bounced_light::CHANCE;
+    /// Paths from which a texel learns no more.
+    BOUNCED_ALL_PATHS: u32 = bounced_light::ALL_PATHS;
+    /// Most steps that a path counts.
+    BOUNCED_MOST_STEPS: f32 = (bounced_light::MOST * bounced_light::STEPS) as f32;
+    /// Paths that a ratio begins with, each as estimated.
+    BOUNCED_PRIOR_PATHS: f32 = bounced_light::PRIOR_PATHS;
+    /// Least ratio of light that goes on to its estimate.
+    BOUNCED_LEAST: f32 = bounced_light::BOUNDS[0];
+    /// Most.
+    BOUNCED_MOST: f32 = bounced_light::BOUNDS[1];
     /// Transmittance of a shadow ray below which it counts as dark.
     DARK: f32 = limits::DARK as f32;
     /// Sum of ρ that overlapping yarns are held to.
@@ -243,7 +287,7 @@ constants! {
 
 /// Number of counters, of two words each. WGSL sees an array without a length.
 pub const COUNTERS_IN_ALL: u32 = 9;
-const _: () = assert!(2 * COUNTERS_IN_ALL <= SHADOWS_FROM);
+const _: () = assert!(2 * COUNTERS_IN_ALL <= LEARNED_ROOMS);
 
 /// How shaders number phase functions.
 pub(super) fn phase(phase: Phase) -> u32 {

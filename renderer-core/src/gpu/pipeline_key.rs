@@ -44,6 +44,8 @@ pub struct PipelineKey {
     pub sampled_environment: bool,
     /// First samples may take their shadows from a cache, which the device has room for.
     pub cached_shadows: bool,
+    /// Where paths are cut off, some go on to teach how good the estimate is; with `cached_shadows`.
+    pub bounced_light: bool,
     /// The cloth is bent.
     pub bent: bool,
     /// The picture shows the cloth at several levels of detail.
@@ -100,6 +102,7 @@ impl PipelineKey {
             },
             sampled_environment: environment && scene.lights.sky.importance_table().is_some(),
             cached_shadows: false,
+            bounced_light: false,
             bent: scene.form.is_some(),
             levels: false,
             aov: settings.aov,
@@ -154,6 +157,7 @@ impl PipelineKey {
             ("SKY", self.sky.into()),
             flag("SAMPLED_ENVIRONMENT", self.sampled_environment),
             flag("CACHED_SHADOWS", self.cached_shadows),
+            flag("BOUNCED_LIGHT", self.bounced_light),
             flag("BENT", self.bent),
             flag("LEVELS", self.levels),
             flag("AOV", self.aov),

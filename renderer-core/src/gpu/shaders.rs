@@ -17,7 +17,7 @@ pub const TRACE: &[Part] = parts![
     "settings.wgsl" "scene.wgsl" "sampling.wgsl" "counters.wgsl" "walk.wgsl" "block.wgsl" "patch.wgsl" "volume.wgsl"
     "skeleton.wgsl" "surface.wgsl" "phase.wgsl" "lights.wgsl" "events.wgsl" "single.wgsl" "layered.wgsl"
     "composite.wgsl" "loop_line.wgsl" "met.wgsl" "tracked.wgsl" "camera.wgsl" "form.wgsl" "picture.wgsl" "levels.wgsl"
-    "multiple_scattering.wgsl" "shadow_cache.wgsl" "exact.wgsl" "trace.wgsl" "baseline.wgsl"
+    "multiple_scattering.wgsl" "shadow_cache.wgsl" "bounced_light.wgsl" "exact.wgsl" "trace.wgsl" "baseline.wgsl"
 ];
 /// The program that shows or returns the mean.
 pub const RESOLVE: &[Part] = parts!["settings.wgsl" "picture.wgsl" "resolve.wgsl"];

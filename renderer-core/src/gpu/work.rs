@@ -177,6 +177,16 @@ impl Work {
 
 /// Most scatterings of paths whose loops software Vulkan never cuts short when it runs them in step.
 const MOST_BOUNCES_IN_STEP: u32 = 5;
+/// Whether paths of so many scatterings are too long for software Vulkan to run in step.
+fn has_long_paths(context: &GpuContext, bounces: u32) -> bool {
+    context.is_software() && bounces > MOST_BOUNCES_IN_STEP
+}
+
+/// Whether some paths may go on to their end where others are cut off: not where all would have to run alone for it.
+pub fn may_learn_bounces(context: &GpuContext, settings: &Settings) -> bool {
+    !has_long_paths(context, settings.bounces)
+}
+
 /// Threads that software Vulkan runs in step.
 const THREADS_IN_STEP: u32 = 8;
 
@@ -188,7 +198,7 @@ const THREADS_IN_STEP: u32 = 8;
 /// 100,000; one alone 6,000 and up to 50,000. So threads with long paths run alone.
 fn rows_of_workgroups(context: &GpuContext, settings: &Settings) -> u32 {
     let bounces = settings.path_cutoff().unwrap_or(settings.bounces);
-    if context.is_software() && bounces > MOST_BOUNCES_IN_STEP {
+    if has_long_paths(context, bounces) {
         THREADS_IN_STEP
     } else {
         1

@@ -2,6 +2,8 @@
 //! paper). What arrives at a point of the world from one direction, drawn by two random numbers; whether it arrives is
 //! for shadow rays to find out. They need no end: the cloth lies before every area light.
 
+use std::f64::consts::FRAC_1_PI;
+
 use glam::DVec3;
 
 use crate::sampling::{Set, directions};
@@ -66,5 +68,16 @@ impl Lights {
     #[inline(always)]
     pub fn count(&self) -> usize {
         self.suns.len() + self.areas.len()
+    }
+
+    /// Mean radiance over all directions, the brightest channel's, that all lights bring unhindered to the middle of the
+    /// cloth.
+    pub fn mean_radiance(&self) -> f64 {
+        let suns = self.suns.iter().map(Light::Sun);
+        let lights = suns.chain(self.areas.iter().map(Light::Area));
+        let sum: DVec3 = lights
+            .map(|light| light.towards(DVec3::ZERO, [0.5; 2]).1 * (0.25 * FRAC_1_PI))
+            .sum();
+        (sum + DVec3::from_array(self.environment)).max_element()
     }
 }

@@ -6,6 +6,7 @@
 
 pub mod accumulation;
 mod background;
+pub mod bounced_light;
 mod coarse_preview;
 pub mod convergence;
 pub mod levels;
@@ -97,6 +98,9 @@ pub struct Settings {
     pub optimisations: Optimisations,
     /// First samples of each pixel whose shadows may come from [`shadow_cache`]; renderers that have none trace all.
     pub cached_shadows: u32,
+    /// In those samples some paths go on where others are cut off, if that is at their first scattering, and teach
+    /// [`bounced_light`] how good the estimate is.
+    pub learns_bounces: bool,
 }
 
 /// Those of a final picture: every bounce and every shadow is traced.
@@ -126,6 +130,7 @@ impl From<&Quality> for Settings {
             counters: false,
             optimisations: Optimisations::ALL,
             cached_shadows: 0,
+            learns_bounces: false,
         }
     }
 }

@@ -4,6 +4,7 @@ use glam::{DVec3, Vec3A};
 
 use crate::geometry::{Camera, Ray};
 use crate::optics::{Optics, Vertex};
+use crate::render::bounced_light::BouncedLight;
 use crate::render::shadow_cache::ShadowCache;
 use crate::render::{Counters, Settings};
 use crate::sampling::Pcg;
@@ -78,6 +79,12 @@ pub trait Medium {
     /// What earlier samples know of shadows, if sample `number` of a pixel may use it.
     #[inline(always)]
     fn shadow_cache(&self, _number: u32) -> Option<&ShadowCache> {
+        None
+    }
+
+    /// What earlier samples know of the light that goes on where paths are cut off.
+    #[inline(always)]
+    fn bounced_light(&self) -> Option<&BouncedLight> {
         None
     }
 

@@ -20,6 +20,8 @@ use crate::optics::{
 };
 use crate::render::Optimisation;
 use crate::render::accumulation::{FirstHit, Sample};
+use crate::render::bounced_light::{self, BouncedLight};
+use crate::render::shadow_cache::{ShadowCache, Unhindered};
 use crate::sampling::{self, Pcg, Set};
 
 /// One path in the making.
@@ -69,6 +71,8 @@ struct ChosenLight {
     sample: LightSample,
     /// The point's share over the probability that it was chosen.
     weight: f64,
+    /// Its place in the shadow cache, which is to learn of it.
+    entry: Option<usize>,
 }
 
 /// Light from one direction, of which a shadow ray is to find out whether it arrives.
@@ -84,6 +88,23 @@ struct LightSample {
     unhindered: DVec3,
     /// Which of the lights it is in the shadow cache.
     cache_entry: usize,
+}
+
+impl LightSample {
+    /// How much light it brings to a point if all arrives.
+    #[inline(always)]
+    fn unhindered_at(&self, vertex: &Vertex) -> Unhindered {
+        Unhindered {
+            direct: self.scattered.max_element(),
+            diffuse: self.unhindered.max_element() * self.up_from(vertex),
+        }
+    }
+
+    /// Its cosine with the sheet's normal on a point's side, if above 0.
+    #[inline(always)]
+    fn up_from(&self, vertex: &Vertex) -> f64 {
+        (self.direction.z * vertex.position.z.signum()).max(0.0)
+    }
 }
 
 impl<'a, M: Medium> PathTracer<'a, M> {
@@ -129,6 +150,8 @@ impl<'a, M: Medium> PathTracer<'a, M> {
         let (origin, direction) = camera.ray(DVec2::new(column + x, row + y), size);
         let (mut ray, mut start) = (Ray { origin, direction }, Start::Eye);
         let mut first = None;
+        let learns = self.learns_bounces(pixel);
+        let mut learning: Option<Learning> = None;
         let mut throughput = DVec3::ONE;
         let mut radiance = DVec3::ZERO;
         let mut points = medium.room(self.scratch);
@@ -138,10 +161,7 @@ impl<'a, M: Medium> PathTracer<'a, M> {
             // Points found by compositing see their lights by compositing.
             let composited = bounce == 1 && settings.method != Method::Tracked;
             points.clear();
-            // A cache learns from points that are chosen for nothing but their share.
-            let weighs = bounce == 1
-                && medium.weighs_candidates()
-                && medium.shadow_cache(self.number).is_none();
+            let weighs = bounce == 1 && !learns && medium.weighs_candidates();
             let left = if weighs {
                 medium.candidates(&ray, &mut self.pcg, &mut points, self.scratch)
             } else {
@@ -183,9 +203,20 @@ impl<'a, M: Medium> PathTracer<'a, M> {
                     0
                 },
             };
-            radiance += throughput * self.light(&points, -ray.direction, gather);
+            let lit = self.light(&points, -ray.direction, gather);
+            radiance += throughput * (lit.light + lit.further);
+            if is_cut_off {
+                // Some paths go on nevertheless, to see how good the estimate is.
+                learning = learns
+                    .then(|| self.learning(&points, &lit, radiance))
+                    .flatten();
+                if learning.is_none() {
+                    break;
+                }
+                radiance = DVec3::ZERO;
+            }
             let follows_environment = has_environment && !gather.sees_sky;
-            if is_cut_off || bounce == settings.bounces && !follows_environment {
+            if bounce == settings.bounces && !follows_environment {
                 break;
             }
 
@@ -219,7 +250,37 @@ impl<'a, M: Medium> PathTracer<'a, M> {
             (ray, start) = (onward, Start::Cloth);
         }
         medium.keep_room(points, self.scratch);
+        if let (Some(learning), Some(bounced)) = (learning, medium.bounced_light()) {
+            bounced.add(learning.entry, radiance, learning.estimate);
+            radiance = learning.seen;
+        }
         Sample { radiance, first }
+    }
+
+    /// Whether the path goes on where it is cut off, so that [`BouncedLight`] learns from it: that of some blocks of
+    /// pixels, since pixels of a block take their time together on a GPU.
+    ///
+    /// [`BouncedLight`]: crate::render::bounced_light::BouncedLight
+    #[inline(always)]
+    fn learns_bounces(&self, pixel: [u32; 2]) -> bool {
+        let settings = self.inputs.settings;
+        self.medium.bounced_light().is_some()
+            && settings.caches_shadows(self.number)
+            && bounced_light::learns(settings.seed, pixel, self.number)
+    }
+
+    /// What the light that a path goes on to find is to be held against; `None` where enough is known.
+    #[inline(always)]
+    fn learning(&mut self, points: &[Candidate], lit: &Lit, seen: DVec3) -> Option<Learning> {
+        let bounced = self.medium.bounced_light()?;
+        let [only] = points else { return None };
+        let random = [(); 3].map(|()| f64::from(self.pcg.next_float()));
+        let entry = bounced.entry(only.vertex.position, random);
+        bounced.is_learning(entry).then_some(Learning {
+            entry,
+            estimate: lit.estimate,
+            seen,
+        })
     }
 
     /// Where a path goes on: from one of its ray's points, by how much of what comes there goes towards `view` (world),
@@ -251,51 +312,41 @@ impl<'a, M: Medium> PathTracer<'a, M> {
         })
     }
 
-    /// Light scattered towards `view` (world): of suns and area lights, and of the environment if it is to be seen. Each
-    /// by one of the points that a ray has.
+    /// Light scattered towards `view` (world): of suns and area lights, and of the environment if it is to be seen. Of
+    /// each by one of the points that a ray has, and by all at which a cache knows its shadow.
     #[inline(always)]
-    fn light(&mut self, points: &[Candidate], view: DVec3, gather: Gather) -> DVec3 {
+    fn light(&mut self, points: &[Candidate], view: DVec3, gather: Gather) -> Lit {
         let medium = self.medium;
-        let orders = gather.orders;
-        let mut sum = DVec3::ZERO;
-        let cache = medium.shadow_cache(self.number).map(|cache| {
-            let random = [(); 3].map(|()| f64::from(self.pcg.next_float()));
-            (cache, random)
+        let mut lit = Lit::default();
+        // Where later scatterings lie, less light comes than to what the camera sees beside them.
+        let shadows = medium
+            .shadow_cache(self.number)
+            .filter(|_| gather.bounce == 1);
+        let bounced = medium.bounced_light().filter(|_| gather.orders > 0);
+        let known = (shadows.is_some() || bounced.is_some()).then(|| Known {
+            shadows,
+            bounced,
+            random: [(); 3].map(|()| f64::from(self.pcg.next_float())),
         });
         // One place for all shadow rays, since on the processor everything they do is inlined.
         for number in 0..self.inputs.scene.lights.count() + usize::from(gather.sees_sky) {
-            let Some(chosen) = self.chosen_light(points, view, gather, number) else {
+            let Some(drawn) = self.draw_light(number, gather) else {
                 continue;
             };
-            let (vertex, sample) = (&points[chosen.point].vertex, chosen.sample);
-            let is_dark = if M::SKIPS_DARK_LIGHTS {
-                sample.scattered == DVec3::ZERO
-            } else {
-                sample.phase <= 0.0
-            };
-            if is_dark && orders == 0 {
-                continue;
-            }
-            let albedo = vertex.albedo * chosen.weight;
-            let up = (sample.direction.z * vertex.position.z.signum()).max(0.0);
-            let by_scatterings = |visibility| {
-                sample.unhindered * multiple_scattering(visibility, up, vertex.albedo, orders)
-            };
-            let cached = cache.map(|(cache, random)| {
-                let entry = cache.key().grid.entry(vertex.position, random);
-                (cache, entry + sample.cache_entry)
-            });
-            if let Some((cache, entry)) = cached
-                && let Some(known) = cache.visibility(entry, || self.pcg.next_float())
-            {
-                self.scratch.as_mut().cached_rays += 1;
-                sum += albedo * sample.scattered * known.direct;
-                if orders > 0 {
-                    sum += albedo * by_scatterings(known.for_multiple_scattering());
+            let chosen = match &known {
+                Some(known) if known.shadows.is_some() => {
+                    self.add_known(points, view, gather.orders, &drawn, known, &mut lit)
                 }
+                _ => self.chosen_light(points, view, gather.orders, &drawn),
+            };
+            let Some(chosen) = chosen else {
+                continue;
+            };
+            let (candidate, sample) = (&points[chosen.point], &chosen.sample);
+            if self.is_dark(sample) && gather.orders == 0 {
                 continue;
             }
-            let ray = medium.leave(vertex, sample.direction);
+            let ray = medium.leave(&candidate.vertex, sample.direction);
             let visibility = if !self.inputs.settings.shadows {
                 1.0
             } else if gather.composited {
@@ -303,67 +354,145 @@ impl<'a, M: Medium> PathTracer<'a, M> {
             } else {
                 medium.tracked_visibility(&ray, &mut self.pcg, self.scratch)
             };
-            if let Some((cache, entry)) = cached {
-                cache.add(entry, Visibility::by(visibility));
+            let visibility = Visibility::by(visibility);
+            if let (Some(entry), Some(shadows)) = (chosen.entry, shadows) {
+                let light = sample.unhindered_at(&candidate.vertex);
+                shadows.add(entry, light, visibility);
             }
-            sum += albedo * sample.scattered * visibility;
-            if orders > 0 {
-                sum += albedo * by_scatterings(visibility);
-            }
+            let arrives = Arrives {
+                sample,
+                visibility,
+                weight: chosen.weight,
+                orders: gather.orders,
+            };
+            lit.add(&candidate.vertex, &arrives, known.as_ref());
         }
-        sum
+        lit
     }
 
-    /// Light of light `number` from one of a ray's points, by how much of it is likely to come there and go towards
-    /// `view` (world).
+    /// Whether light is not followed, since it would not be scattered.
     #[inline(always)]
-    fn chosen_light(
-        &self,
-        points: &[Candidate],
-        view: DVec3,
-        gather: Gather,
-        number: usize,
-    ) -> Option<ChosenLight> {
-        let lights = &self.inputs.scene.lights;
+    fn is_dark(&self, sample: &LightSample) -> bool {
+        if M::SKIPS_DARK_LIGHTS {
+            sample.scattered == DVec3::ZERO
+        } else {
+            sample.phase <= 0.0
+        }
+    }
+
+    /// Where the light of light `number` comes from; `None` if it is not looked for.
+    #[inline(always)]
+    fn draw_light(&self, number: usize, gather: Gather) -> Option<DrawnLight<'a>> {
+        let PathInputs {
+            scene, settings, ..
+        } = self.inputs;
         let bounce = gather.bounce;
-        let light = Light::of(lights, number, bounce);
+        let light = Light::of(&scene.lights, number, bounce);
         let set = light.map_or(Set::Environment { bounce }, |(_, set)| set);
-        let [u, v, side, number_of_choice] = self.random(set);
-        let PathInputs { settings, .. } = self.inputs;
+        let [u, v, side, choice] = self.random(set);
         // Only a path's first scattering chooses among points.
         let is_later = bounce > 1
             && gather.orders == 0
             && settings.optimisations.has(Optimisation::LaterLights);
-        if is_later && number_of_choice >= LATER_LIGHTS_SHARE {
+        if is_later && choice >= LATER_LIGHTS_SHARE {
             return None;
         }
-        let counts = if is_later {
-            1.0 / LATER_LIGHTS_SHARE
-        } else {
-            1.0
-        };
         let source = match light {
             // A sun is where it is for all points.
             Some((sun @ Light::Sun(_), _)) => Source::Far(sun.towards(DVec3::ZERO, [u, v])),
             Some((area, _)) => Source::Near(area, [u, v]),
             None => Source::Sky([u, v], side),
         };
+        Some(DrawnLight {
+            number,
+            source,
+            choice,
+            counts: if is_later {
+                1.0 / LATER_LIGHTS_SHARE
+            } else {
+                1.0
+            },
+        })
+    }
+
+    /// Adds the light of one light from all points at which its shadow is known. Of the others one is to find it out,
+    /// chosen by its share alone: a cache that learned from points that light had chosen would take them for bright.
+    #[inline(always)]
+    fn add_known(
+        &mut self,
+        points: &[Candidate],
+        view: DVec3,
+        orders: u32,
+        drawn: &DrawnLight<'_>,
+        known: &Known<'_>,
+        lit: &mut Lit,
+    ) -> Option<ChosenLight> {
+        let shadows = known.shadows?;
+        let mut unknown = Resampling::new(drawn.choice);
+        for (point, Candidate { vertex, share, .. }) in points.iter().enumerate() {
+            let source = drawn.source.for_candidate(point);
+            let sample = self.light_sample(vertex, view, source, drawn.number);
+            if orders == 0 && self.is_dark(&sample) {
+                continue;
+            }
+            let texel = shadows.entry(vertex.position, known.random);
+            let entry = texel.map(|texel| texel + sample.cache_entry);
+            let weight = share * drawn.counts;
+            let visibility =
+                entry.and_then(|entry| shadows.visibility(entry, || self.pcg.next_float()));
+            let Some(visibility) = visibility else {
+                let chosen = ChosenLight {
+                    point,
+                    sample,
+                    weight,
+                    entry,
+                };
+                unknown.add(chosen, *share);
+                continue;
+            };
+            self.scratch.as_mut().cached_rays += 1;
+            let arrives = Arrives {
+                sample: &sample,
+                visibility,
+                weight,
+                orders,
+            };
+            lit.add(vertex, &arrives, Some(known));
+        }
+        unknown.finish().map(|(chosen, counts)| ChosenLight {
+            weight: chosen.weight * counts,
+            ..chosen
+        })
+    }
+
+    /// Light of one light from one of a ray's points, by how much of it is likely to come there and go towards `view`
+    /// (world).
+    #[inline(always)]
+    fn chosen_light(
+        &self,
+        points: &[Candidate],
+        view: DVec3,
+        orders: u32,
+        drawn: &DrawnLight<'_>,
+    ) -> Option<ChosenLight> {
         if let [only] = points {
             return Some(ChosenLight {
                 point: 0,
-                sample: self.light_sample(&only.vertex, view, source, number),
-                weight: only.share * counts,
+                sample: self.light_sample(&only.vertex, view, drawn.source, drawn.number),
+                weight: only.share * drawn.counts,
+                entry: None,
             });
         }
-        let mut choice = Resampling::new(number_of_choice);
+        let mut choice = Resampling::new(drawn.choice);
         for (point, candidate) in points.iter().enumerate() {
-            let source = source.for_candidate(point);
-            let sample = self.light_sample(&candidate.vertex, view, source, number);
-            let likely = self.likely_light(candidate, &sample, &source, gather.orders);
+            let source = drawn.source.for_candidate(point);
+            let sample = self.light_sample(&candidate.vertex, view, source, drawn.number);
+            let likely = self.likely_light(candidate, &sample, &source, orders);
             let chosen = ChosenLight {
                 point,
                 sample,
                 weight: candidate.share,
+                entry: None,
             };
             choice.add(chosen, candidate.share * likely);
         }
@@ -400,7 +529,8 @@ impl<'a, M: Medium> PathTracer<'a, M> {
     }
 
     /// Light from a random direction to a light, number `number` of all, that is scattered towards `view` (world).
-    #[inline(always)]
+    // Inlined at each of its calls, it would be most of the time that this file takes to compile.
+    #[inline(never)]
     fn light_sample(
         &self,
         vertex: &Vertex,
@@ -450,6 +580,89 @@ impl<'a, M: Medium> PathTracer<'a, M> {
             cache_entry: number + usize::from(drawn.by_light),
         }
     }
+}
+
+/// Light from one light, as it is drawn.
+#[derive(Debug, Clone, Copy)]
+struct DrawnLight<'a> {
+    /// Which of the lights.
+    number: usize,
+    source: Source<'a>,
+    /// A number in [0, 1) that chooses one of a ray's points.
+    choice: f64,
+    /// One over the probability that it is looked for.
+    counts: f64,
+}
+
+/// What earlier samples have learned of the surroundings of a ray's points.
+#[derive(Debug, Clone, Copy)]
+struct Known<'a> {
+    shadows: Option<&'a ShadowCache>,
+    bounced: Option<&'a BouncedLight>,
+    /// Numbers in [0, 1) that move the points by up to half a texel.
+    random: [f64; 3],
+}
+
+/// Light that comes to a point.
+#[derive(Debug, Clone, Copy)]
+struct Arrives<'a> {
+    sample: &'a LightSample,
+    /// How much of it gets there.
+    visibility: Visibility,
+    /// What the point's light counts.
+    weight: f64,
+    /// How many orders of multiple scattering are estimated from it.
+    orders: u32,
+}
+
+/// Light that a ray's points scatter towards the eye.
+#[derive(Debug, Clone, Copy, Default)]
+struct Lit {
+    /// After this scattering.
+    light: DVec3,
+    /// After further ones: their estimate, as corrected by what is known.
+    further: DVec3,
+    /// The same as estimated.
+    estimate: DVec3,
+}
+
+impl Lit {
+    #[inline(always)]
+    fn add(&mut self, vertex: &Vertex, arrives: &Arrives<'_>, known: Option<&Known<'_>>) {
+        let Arrives {
+            sample,
+            visibility,
+            weight,
+            orders,
+        } = *arrives;
+        let albedo = vertex.albedo * weight;
+        self.light += albedo * sample.scattered * visibility.direct;
+        if orders == 0 {
+            return;
+        }
+        let up = sample.up_from(vertex);
+        let reach = visibility.for_multiple_scattering();
+        let estimate =
+            albedo * sample.unhindered * multiple_scattering(reach, up, vertex.albedo, orders);
+        self.estimate += estimate;
+        self.further += match known.and_then(|known| known.bounced.zip(Some(known.random))) {
+            Some((bounced, random)) => {
+                estimate * bounced.correction(bounced.entry(vertex.position, random))
+            }
+            None => estimate,
+        };
+    }
+}
+
+/// A path that goes on where it is cut off.
+#[derive(Debug, Clone, Copy)]
+struct Learning {
+    /// Of the point at which it is cut off.
+    entry: usize,
+    /// What is estimated there.
+    estimate: DVec3,
+    /// The sample's radiance.
+    seen: DVec3,
 }
 
 /// Where the light of one light comes from, for the points of one ray.

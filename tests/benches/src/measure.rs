@@ -180,6 +180,7 @@ impl Subject {
                 bounces: setting.bounces,
                 traced_bounces: setting.traced_bounces,
                 cached_shadows: setting.cached_shadows,
+                learns_bounces: setting.cached_shadows > 0,
                 optimisations: match setting.without {
                     Some(optimisation) => Optimisations::ALL.without(optimisation),
                     None => Optimisations::ALL,

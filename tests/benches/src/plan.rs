@@ -202,6 +202,11 @@ fn all_of_the_light(bounces: u32) -> Vec<Setting> {
     vec![
         setting(Method::Tracked, Sampler::Owen, bounces, 0),
         setting(Method::Tracked, Sampler::Owen, bounces, 1),
+        // As the live view has it.
+        Setting {
+            cached_shadows: CACHED_SHADOWS,
+            ..setting(Method::Tracked, Sampler::Owen, bounces, 1)
+        },
         setting(Method::Single, Sampler::Owen, bounces, 0),
         setting(Method::Single, Sampler::Owen, bounces, 1),
         setting(Method::Single, Sampler::Owen, 1, 0),

@@ -1,8 +1,8 @@
-//! `quiet`: how long after an edit the window's picture is quiet, with denoising and without, and what denoising is worth
-//! at each number of samples.
+//! `quiet`: how long after an edit or a turn of the camera the window's picture is quiet, with denoising and without, and
+//! what denoising is worth at each number of samples.
 //!
-//! The render thread runs as the window drives it, once with a denoiser and once without, in turns, each from rest. Every
-//! frame that it shows is kept with its time and held to a converged picture afterwards, as a screen shows both: 8 bits a
+//! The render thread runs as the window drives it, once with a denoiser and once without, in turns, each from rest:
+//! in a new window, which has drawn the design before an edit small, before a turn whole. Every frame that it shows is kept with its time and held to a converged picture afterwards, as a screen shows both: 8 bits a
 //! channel, small previews enlarged. relRMSE is that of the light that the screen emits.
 //!
 //! The curve is of pictures in linear light, by a backend alone: plain, denoised, and mixed as the window mixes them; its
@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 use anyhow::anyhow;
 use egui::ColorImage;
 use renderer_core::denoise::{Denoise, DenoiseError, DenoiseQuality, Mix, Step};
-use renderer_core::design::{Design, srgb_to_linear};
+use renderer_core::design::{CameraDesign, Design, srgb_to_linear};
 use renderer_core::geometry::Camera;
 use renderer_core::image::{Display, Picture, metrics};
 use renderer_core::render::{Backend, RenderRequest};
@@ -54,8 +54,22 @@ pub struct QuietArguments {
     /// Preset to edit.
     preset: PathBuf,
     /// The edit, as in skeleton.colour=#806040.
-    #[arg(long, required = true, value_name = "PATH=VALUE", value_parser = arguments::field_and_value)]
+    #[arg(long, required_unless_present = "orbit", value_name = "PATH=VALUE", value_parser = arguments::field_and_value)]
     edit: Vec<(String, String)>,
+    /// Turn the camera about its target by so many degrees instead.
+    #[arg(
+        long,
+        value_name = "DEGREES",
+        conflicts_with = "edit",
+        allow_negative_numbers = true
+    )]
+    orbit: Option<f64>,
+    /// Which of the preset's cameras looks, by name.
+    #[arg(long, value_name = "NAME")]
+    camera: Option<String>,
+    /// Hold pictures to the light of an export, not to what the window's own would become.
+    #[arg(long)]
+    true_light: bool,
     /// Size of the window's picture in pixels.
     #[arg(long, value_name = "WxH", default_value = "800x600", value_parser = arguments::size)]
     size: [u32; 2],
@@ -82,6 +96,40 @@ struct Frame {
     image: Arc<ColorImage>,
 }
 
+/// A design, and the camera that looks at it.
+struct Seen {
+    design: Arc<Design>,
+    camera: CameraDesign,
+}
+
+impl Seen {
+    /// The preset with some edits, seen by the camera that is asked for.
+    fn new(arguments: &QuietArguments, edits: &[(String, String)]) -> anyhow::Result<Self> {
+        let mut design = files::load_design_with(&arguments.preset, edits)?;
+        (design.quality.samples, design.quality.error) = (arguments.samples, 0.0);
+        let mut cameras = design.view.cameras.iter();
+        let camera = match &arguments.camera {
+            Some(name) => cameras.find(|camera| camera.name == *name),
+            None => cameras.next(),
+        };
+        let camera = camera.ok_or_else(|| anyhow!("the preset has no such camera"))?;
+        Ok(Self {
+            camera: camera.clone(),
+            design: Arc::new(design),
+        })
+    }
+
+    /// The same from a camera that has turned by so many degrees.
+    fn turned(&self, degrees: f64) -> Self {
+        let mut camera = self.camera.clone();
+        camera.azimuth += degrees;
+        Self {
+            camera,
+            design: Arc::clone(&self.design),
+        }
+    }
+}
+
 /// A render thread between edits.
 struct Window {
     thread: RenderThread,
@@ -89,45 +137,41 @@ struct Window {
 }
 
 impl Window {
-    fn new(
-        arguments: &QuietArguments,
-        design: &Design,
-        denoiser: MakeDenoiser,
-    ) -> anyhow::Result<Self> {
-        let camera = design.view.cameras.first().cloned();
+    fn new(arguments: &QuietArguments, seen: &Seen, denoiser: MakeDenoiser) -> Self {
         let make = for_window(Arc::new(backend::make), None);
-        Ok(Self {
+        Self {
             thread: RenderThread::new(make, denoiser, egui::Context::default()),
             view: ViewRequest {
-                camera: camera.ok_or_else(|| anyhow!("the preset has no camera"))?,
+                camera: seen.camera.clone(),
                 size: arguments.size,
-                display: Display::from(&design.view),
-                design: Arc::new(design.clone()),
+                display: Display::from(&seen.design.view),
+                design: Arc::clone(&seen.design),
                 choice: arguments.backend,
                 attempt: 0,
                 light: LiveLight::default(),
                 denoises: true,
             },
-        })
+        }
     }
 
-    /// Shows a design small, until nothing runs.
-    fn rest(&mut self, design: &Arc<Design>) -> anyhow::Result<()> {
-        let small = ViewRequest {
-            size: self.view.size.map(|side| side.div_ceil(SMALLER)),
-            design: Arc::clone(design),
+    /// Shows a design at a fraction of its width and height, until nothing runs.
+    fn rest(&mut self, seen: &Seen, smaller: u32) -> anyhow::Result<()> {
+        let view = ViewRequest {
+            size: self.view.size.map(|side| side.div_ceil(smaller)),
+            design: Arc::clone(&seen.design),
+            camera: seen.camera.clone(),
             ..self.view.clone()
         };
-        self.thread.send(small, false);
+        self.thread.send(view, false);
         match self.thread.wait_for_rest(PATIENCE) {
             true => Ok(()),
             false => Err(anyhow!("the window does not come to rest")),
         }
     }
 
-    /// What is shown of an edited design, until it is done.
-    fn frames(&mut self, design: &Arc<Design>) -> anyhow::Result<Vec<Frame>> {
-        self.view.design = Arc::clone(design);
+    /// What is shown of an edited design or from a camera that has turned, until it is done.
+    fn frames(&mut self, seen: &Seen) -> anyhow::Result<Vec<Frame>> {
+        (self.view.design, self.view.camera) = (Arc::clone(&seen.design), seen.camera.clone());
         let mut version = self.thread.state().picture.version;
         let (start, mut frames) = (Instant::now(), Vec::new());
         self.thread.send(self.view.clone(), false);
@@ -292,34 +336,42 @@ pub fn run(arguments: &QuietArguments) -> anyhow::Result<()> {
     if let Some(output) = &arguments.output {
         files::check_writable(output)?;
     }
-    let open = |edits: &[(String, String)]| -> anyhow::Result<Arc<Design>> {
-        let mut design = files::load_design_with(&arguments.preset, edits)?;
-        (design.quality.samples, design.quality.error) = (arguments.samples, 0.0);
-        Ok(Arc::new(design))
+    let before = Seen::new(arguments, &[])?;
+    let after = match arguments.orbit {
+        Some(degrees) => before.turned(degrees),
+        None => Seen::new(arguments, &arguments.edit)?,
     };
-    let (before, after) = (open(&[])?, open(&arguments.edit)?);
     let mut denoiser = denoiser::make()?;
-    let camera = after.view.cameras.first().map(Camera::from_design);
-    let camera = camera.ok_or_else(|| anyhow!("the preset has no camera"))?;
     let (mut compiler, never) = (LodCompiler::default(), Cancel::never());
-    let view = LodView::new(
-        &mut compiler,
-        &after,
-        &camera,
-        arguments.size,
-        LodBudget::LIVE,
-        &never,
-    )?;
-    let settings = LiveLight::default().settings(&after);
+    let mut view_of = |seen: &Seen| {
+        let camera = Camera::from_design(&seen.camera);
+        let budget = LodBudget::LIVE;
+        LodView::new(
+            &mut compiler,
+            &seen.design,
+            &camera,
+            arguments.size,
+            budget,
+            &never,
+        )
+    };
+    let view = view_of(&after)?;
+    let settings = LiveLight::default().settings(&after.design);
     let mut request = RenderRequest::new(view, arguments.size, settings);
     let mut backend = backend::make(arguments.backend.for_method(settings.method))?;
     // Another seed than that of what is held to it.
     request.settings.seed = !settings.seed;
     request.settings.samples = arguments.truth;
+    if arguments.true_light {
+        let light = LiveLight::True.settings(&after.design);
+        request.settings.traced_bounces = light.traced_bounces;
+        request.settings.cached_shadows = light.cached_shadows;
+        request.settings.learns_bounces = light.learns_bounces;
+    }
     let (truth, _) = draw(&mut *backend, &request, &mut Spent::zero())?;
-    request.settings.seed = settings.seed;
+    request.settings = settings;
 
-    let display = Display::from(&after.view);
+    let display = Display::from(&after.design.view);
     let mut out = std::io::stdout().lock();
     writeln!(
         out,
@@ -329,6 +381,11 @@ pub fn run(arguments: &QuietArguments) -> anyhow::Result<()> {
         backend.device_name()
     )?;
     let exposure = display.exposure;
+    if arguments.orbit.is_some() {
+        // What is learned from one camera is known to the next.
+        let seen = RenderRequest::new(view_of(&before)?, arguments.size, settings);
+        draw(&mut *backend, &seen, &mut Spent::zero())?;
+    }
     let rows = curve(
         &mut *backend,
         request,
@@ -354,18 +411,19 @@ pub fn run(arguments: &QuietArguments) -> anyhow::Result<()> {
 
     let shown = emitted_of(&truth, display);
     let none: MakeDenoiser = Arc::new(|| Err(DenoiseError::NotFound));
-    let mut windows = [
-        Window::new(arguments, &before, none)?,
-        Window::new(arguments, &before, Arc::new(denoiser::make))?,
-    ];
+    let denoisers = [none, Arc::new(denoiser::make)];
+    // A small picture knows nothing of the shadows that one of full size would.
+    let smaller = match arguments.orbit {
+        Some(_) => 1,
+        None => SMALLER,
+    };
     let mut all = Vec::new();
     for _ in 0..arguments.repeats {
         let mut pair = [[None; 2]; 2];
-        for (window, times_of) in windows.iter_mut().zip(&mut pair) {
-            window.rest(&before)?;
-            let frames = window.frames(&after)?;
-            window.rest(&before)?;
-            *times_of = times(&frames, &shown)?;
+        for (denoiser, times_of) in denoisers.iter().zip(&mut pair) {
+            let mut window = Window::new(arguments, &before, Arc::clone(denoiser));
+            window.rest(&before, smaller)?;
+            *times_of = times(&window.frames(&after)?, &shown)?;
         }
         all.push(pair);
     }
@@ -416,7 +474,7 @@ fn window_text(all: &[[[Option<f64>; 2]; 2]]) -> String {
             |time: Option<f64>| time.map_or_else(|| "not".into(), |s| format!("{s:.2} s"));
         let _ = writeln!(
             text,
-            "window, from the edit to {name} {wanted}: plain, denoised, ratio"
+            "window, from the change to {name} {wanted}: plain, denoised, ratio"
         );
         let mut ratios = Vec::new();
         for [plain, denoised] in all {

@@ -56,6 +56,7 @@ fn request(method: Method) -> RenderRequest {
             counters: true,
             optimisations: Optimisations::ALL,
             cached_shadows: 0,
+            learns_bounces: false,
         },
     }
 }

@@ -149,6 +149,7 @@ pub fn request(scene: Scene, method: Method, bounces: u32) -> RenderRequest {
             counters: true,
             optimisations: Optimisations::ALL,
             cached_shadows: 0,
+            learns_bounces: false,
         },
     }
 }

@@ -3,8 +3,9 @@
 use renderer_core::design::Design;
 use renderer_core::render::Settings;
 
-/// First samples whose shadows neighbouring points share: later ones outweigh them after a second or two.
-pub const CACHED_SHADOWS: u32 = 8;
+/// First samples whose shadows neighbouring points share, and some of which go on where others end, so that the estimate
+/// gets right; the later ones are sharper, and outweigh these as they get many.
+pub const CACHED_SHADOWS: u32 = 64;
 
 /// How the viewport gets the light of many bounces, and shadows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -32,8 +33,8 @@ impl LiveLight {
     pub fn what(self) -> &'static str {
         match self {
             Self::Fast => {
-                "Light that bounces on between the loops is estimated, and shadows are soft at first: clear much \
-                sooner, a little off in brightness and depth. Exports are not affected."
+                "Light that bounces on between the loops is estimated, better as the view looks on, and shadows are soft \
+                at first: clear much sooner, and still so when the camera moves. Exports are not affected."
             }
             Self::True => "Every shadow and every bounce of light is traced, as in an export.",
         }
@@ -52,6 +53,7 @@ impl LiveLight {
         if self == Self::Fast {
             settings.traced_bounces = 1;
             settings.cached_shadows = CACHED_SHADOWS;
+            settings.learns_bounces = true;
         }
         settings
     }

@@ -93,6 +93,8 @@ fn title_of(setting: &Setting, target: &Target) -> String {
     }
     if setting.to_error {
         format!("{method}, up to an error")
+    } else if setting.cached_shadows > 0 && setting.traced_bounces > 0 {
+        format!("{method}, as the live view")
     } else if setting.cached_shadows > 0 {
         format!("{method}, {} cached", setting.cached_shadows)
     } else if setting.bounces < target.bounces {

@@ -4,7 +4,7 @@
 //! its own (`Design::exposure`). The viewport, PNG files and FLIP all use it;
 //! EXR files hold the linear picture and never come here.
 
-use crate::design::{Design, ToneMap, View, linear_to_srgb};
+use crate::design::{Design, ToneMap, linear_to_srgb};
 
 /// How linear light is displayed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,16 +20,6 @@ impl From<&Design> for Display {
         Self {
             exposure: design.exposure(),
             tone_map: design.view.tone_map,
-        }
-    }
-}
-
-/// Of a view alone: without a meter, which would have to know the lights.
-impl From<&View> for Display {
-    fn from(view: &View) -> Self {
-        Self {
-            exposure: view.exposure,
-            tone_map: view.tone_map,
         }
     }
 }

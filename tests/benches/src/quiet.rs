@@ -144,7 +144,7 @@ impl Window {
             view: ViewRequest {
                 camera: seen.camera.clone(),
                 size: arguments.size,
-                display: Display::from(&seen.design.view),
+                display: Display::from(&*seen.design),
                 design: Arc::clone(&seen.design),
                 choice: arguments.backend,
                 attempt: 0,
@@ -371,7 +371,7 @@ pub fn run(arguments: &QuietArguments) -> anyhow::Result<()> {
     let (truth, _) = draw(&mut *backend, &request, &mut Spent::zero())?;
     request.settings = settings;
 
-    let display = Display::from(&after.design.view);
+    let display = Display::from(&*after.design);
     let mut out = std::io::stdout().lock();
     writeln!(
         out,

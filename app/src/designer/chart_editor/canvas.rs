@@ -37,6 +37,8 @@ pub struct Canvas {
     pyramid: Pyramid,
     /// Points for a pixel, the mean of its width and height; `None` fits the chart in.
     pub scale: Option<f32>,
+    /// The scale that is shown.
+    shown: f32,
     /// What of the chart lies in the middle, pixels.
     middle: Pos2,
     /// Keyboard position.
@@ -65,18 +67,20 @@ impl Canvas {
 
     /// Zooms about the middle.
     pub fn zoom(&mut self, factor: f32) {
-        let scale = self.scale.unwrap_or(1.0) * factor;
+        let scale = self.scale.unwrap_or(self.shown) * factor;
         self.scale = Some(scale.clamp(*SCALES.start(), *SCALES.end()));
     }
 
     fn placement(&mut self, rect: Rect, canvas: &ChartCanvas) -> Placement {
         let size = vec2(canvas.size[0] as f32, canvas.size[1] as f32);
         let shape = pixel_shape(canvas);
-        let scale = *self.scale.get_or_insert_with(|| {
+        // Until it is zoomed, all of it is seen however large the canvas becomes.
+        let scale = self.scale.unwrap_or_else(|| {
             self.middle = (size / 2.0).to_pos2();
             let fitting = (rect.size() - Vec2::splat(16.0)) / (size * shape);
             fitting.min_elem().clamp(*SCALES.start(), 32.0)
         });
+        self.shown = scale;
         self.middle = self.middle.clamp(Pos2::ZERO, size.to_pos2());
         let scale = scale * shape;
         Placement {
@@ -201,6 +205,7 @@ fn move_view(ui: &Ui, editor: &mut ChartEditor, response: &Response, view: &View
     let before = (canvas.scale, canvas.middle);
     if response.dragged_by(PointerButton::Middle) || response.dragged_by(PointerButton::Secondary) {
         canvas.middle -= response.drag_delta() / placement.scale;
+        canvas.scale = Some(canvas.shown);
         ui.set_cursor_icon(CursorIcon::Move);
     }
     if let Some(at) = response.hover_pos() {
@@ -353,7 +358,7 @@ fn keyboard(
 
 /// Moves the view so that a place is seen.
 fn show_place(canvas: &mut Canvas, shape: Vec2, place: [i32; 2], rect: Rect) {
-    let half = rect.size() / 2.0 / (canvas.scale.unwrap_or(1.0) * shape) - Vec2::splat(2.0);
+    let half = rect.size() / 2.0 / (canvas.shown * shape) - Vec2::splat(2.0);
     let place = pos2(place[0] as f32, place[1] as f32);
     let half = half.max(Vec2::ZERO);
     canvas.middle = canvas.middle.clamp(place - half, place + half);

@@ -31,6 +31,7 @@ fn small() -> Design {
     design.chart.object = vec![ChartObject::default()];
     design.chart.yarn = vec![NamedYarn::default()];
     design.view.cameras[0].distance = 14.0;
+    design.view.current = Some(design.view.cameras[0].clone());
     design.quality.method = Method::Tracked;
     design.quality.bounces = 3;
     design

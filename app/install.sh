@@ -68,6 +68,7 @@ find_lacking() {
     if [[ $1 == ci ]]; then
         need shellcheck shellcheck command -v shellcheck
         need codespell codespell command -v codespell
+        need pyflakes3 pyflakes command -v pyflakes3
     fi
 }
 

@@ -117,11 +117,11 @@ fn falls(distances: &[f64]) -> bool {
 }
 
 #[test]
-fn after_an_edit_of_colours_or_light_every_frame_is_nearer_to_the_last() {
+fn after_an_edit_every_frame_is_nearer_to_the_last() {
     let mut reel = Reel::new();
     let mut last = Arc::clone(reel.frames().last().expect("a picture"));
     type Edit = fn(&mut Design);
-    let edits: [(&str, Edit); 3] = [
+    let edits: [(&str, Edit); 5] = [
         ("a colour", |d| d.chart.colour = Colour([150, 60, 40])),
         ("a light", |d| {
             d.light.environment.colour = Colour([255, 200, 120])
@@ -129,6 +129,8 @@ fn after_an_edit_of_colours_or_light_every_frame_is_nearer_to_the_last() {
         ("a background", |d| {
             d.light.background = Colour([40, 60, 90])
         }),
+        ("the pile's length", |d| d.length.value *= 1.5),
+        ("all loops", |d| d.turbulence.seed += 1),
     ];
     for (name, edit) in edits {
         reel.edit(edit);

@@ -21,8 +21,8 @@ use renderer_core::scene::lod::LodCloth;
 const AROUND: usize = 3;
 /// Errors of what is drawn count so many times: where an estimate is wrong, noise is worse than what was known.
 const CAUTION: f32 = 1.25;
-/// Variance of a sample of a pixel, by the square of its value, before any is measured.
-const USUAL_NOISE: f32 = 0.25;
+/// Variance of a sample of a pixel of cloth, by the square of its value, before any is measured.
+const USUAL_NOISE: f32 = 0.5;
 /// Brightness may be multiplied by so much to keep detail; the rest is added.
 const MOST_GAIN: f32 = 4.0;
 /// Side of the cells of a picture at whose corners rays are cast, pixels,
@@ -304,7 +304,7 @@ pub struct Drawn<'a> {
 
 /// Joins pictures; keeps what it has learnt of their noise.
 pub struct Joining {
-    /// Variance of a sample of a pixel by the square of its value.
+    /// Variance of a sample of a pixel of cloth by the square of its value.
     noise: f32,
     /// Weight that each pixel of the drawn picture had last. It has less noise with every sample, and never less weight.
     weights: Vec<f32>,
@@ -369,7 +369,11 @@ impl Joining {
     fn errors(&mut self, drawn: &Drawn<'_>) -> Vec<f32> {
         let samples = drawn.samples.max(1) as f32;
         let picture = drawn.picture;
-        let square = |pixel: &[f32; 4]| pixel[..3].iter().map(|c| c * c).sum::<f32>();
+        // Background has no noise.
+        let square = |pixel: &[f32; 4]| match pixel[3] > 0.0 {
+            true => pixel[..3].iter().map(|c| c * c).sum::<f32>(),
+            false => 0.0,
+        };
         let by_error = drawn.error.map(|error| (error * error) as f32);
         let Some((fewer, earlier)) = drawn.earlier.filter(|_| by_error.is_none()) else {
             let share = by_error.unwrap_or(self.noise / samples);

@@ -114,7 +114,8 @@ impl Tracer {
             let part = grid.clip_blocks(ray, segment.part, grid.loop_heights);
             self.track::<L>(ray, part, false, pcg, scratch, |tentative, pcg, scratch| {
                 scratch.counters.contributing_hits += 1;
-                transmittance *= 1.0 - tentative.sigma / tentative.majorant;
+                // Rounding may lift σ a little above the majorant.
+                transmittance *= (1.0 - tentative.sigma / tentative.majorant).max(0.0);
                 if transmittance < ROULETTE_BELOW && self.ends_opaque_rays {
                     if pcg.next_float() < 0.5 {
                         scratch.counters.ended_rays += 1;

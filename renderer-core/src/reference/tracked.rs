@@ -264,7 +264,8 @@ impl Tracer {
         let mut transmittance = 1.0;
         let skeleton = self.track(ray, pcg, scratch, |_, tentative, pcg, scratch| {
             scratch.counters.contributing_hits += 1;
-            transmittance *= 1.0 - tentative.sigma / tentative.majorant;
+            // Rounding may lift σ a little above the majorant.
+            transmittance *= (1.0 - tentative.sigma / tentative.majorant).max(0.0);
             if transmittance < ROULETTE_BELOW {
                 if pcg.next_float() < 0.5 {
                     transmittance = 0.0;

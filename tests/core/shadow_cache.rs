@@ -72,7 +72,7 @@ fn points_ask_texels_around_them() {
             let [px, py] = [next(), next()].map(|share| 20.0 * share - 10.0);
             let point = DVec3::new(px, py, 6.0 * next() - 3.0);
             let texel = grid.texel(point, [next(), next(), next()]);
-            assert!(grid.index(texel) < grid.len());
+            assert!(grid.index(texel) < grid.texel_count());
             // Never through the plane of the sheet, where shadows change most.
             assert_eq!(grid.index(texel) < below_plane, point.z < 0.0, "{point}");
             let own = grid.texel(point, [0.5; 3]);
@@ -152,7 +152,9 @@ fn every_texel_has_a_place_of_its_own() {
     // Wider ones are whole cells.
     let of_cells = grid.of_cells(&compile(&small_towel()).unwrap(), 100);
     assert!(
-        of_cells.len() <= 100 && of_cells.per_cell == 1 && of_cells.texels[2] == grid.texels[2]
+        of_cells.texel_count() <= 100
+            && of_cells.per_cell == 1
+            && of_cells.texels[2] == grid.texels[2]
     );
 }
 

@@ -43,7 +43,7 @@ impl Layout {
             means,
             sums,
             ratios: sums + SHADOW_SUMS * entries,
-            texels: bounced.map_or(0, |bounced| bounced.grid.len() as u32),
+            texels: bounced.map_or(0, |bounced| bounced.grid.texel_count() as u32),
         }
     }
 

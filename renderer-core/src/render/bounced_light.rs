@@ -102,7 +102,7 @@ pub struct BouncedLight {
 impl BouncedLight {
     /// Knows nothing yet.
     pub fn new(key: BouncedKey) -> Self {
-        let entries = key.grid.len();
+        let entries = key.grid.texel_count();
         // Zeros from the system cost nothing before they are touched.
         Self {
             key,
@@ -160,12 +160,13 @@ impl BouncedLight {
                 return;
             }
             let known = 1.0 + PRIOR_PATHS / paths as f32;
-            for channel in 0..3 {
+            let sums = sums.found.iter().zip(&sums.estimated);
+            for (ratio, (found, estimated)) in ratios.iter().zip(sums) {
                 let sum = |sum: &AtomicU32| sum.load(Ordering::Relaxed) as f32;
-                let estimated = sum(&sums.estimated[channel]);
-                let excess = (sum(&sums.found[channel]) - estimated) / (estimated * known).max(1.0);
+                let estimated = sum(estimated);
+                let excess = (sum(found) - estimated) / (estimated * known).max(1.0);
                 let excess = excess.clamp(BOUNDS[0] - 1.0, BOUNDS[1] - 1.0);
-                ratios[channel].store(excess.to_bits(), Ordering::Relaxed);
+                ratio.store(excess.to_bits(), Ordering::Relaxed);
             }
         });
     }

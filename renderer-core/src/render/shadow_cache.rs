@@ -190,7 +190,7 @@ impl ShadowGrid {
             };
             let texels = [grid.texels[0], grid.texels[1], self.texels[2]];
             let grid = Self { texels, ..grid };
-            if grid.len() <= most || grid.texels[0] == 1 && grid.texels[1] == 1 {
+            if grid.texel_count() <= most || grid.texels[0] == 1 && grid.texels[1] == 1 {
                 return grid;
             }
             shift += 1;
@@ -198,7 +198,7 @@ impl ShadowGrid {
     }
 
     /// Texels of the whole sheet.
-    pub fn len(&self) -> usize {
+    pub fn texel_count(&self) -> usize {
         self.texels.iter().map(|&n| n as usize).product()
     }
 

@@ -124,10 +124,10 @@ fn after_an_edit_every_frame_is_nearer_to_the_last() {
     let edits: [(&str, Edit); 5] = [
         ("a colour", |d| d.chart.colour = Colour([150, 60, 40])),
         ("a light", |d| {
-            d.light.environment.colour = Colour([255, 200, 120])
+            d.light.environment.colour = Colour([255, 200, 120]);
         }),
         ("a background", |d| {
-            d.light.background = Colour([40, 60, 90])
+            d.light.background = Colour([40, 60, 90]);
         }),
         ("the pile's length", |d| d.length.value *= 1.5),
         ("all loops", |d| d.turbulence.seed += 1),

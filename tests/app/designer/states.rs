@@ -252,7 +252,9 @@ pub fn show_presets(harness: &mut Harness<'static, App>) {
 pub fn wait_for_picture(harness: &mut Harness<'static, App>) {
     wait(harness, "the picture", |h| {
         let state = h.state().viewport().state();
-        state.picture.progress.done && !state.is_busy()
+        // Not what was known before it is drawn.
+        let is_whole = state.picture.progress.done && !state.picture.is_reduced;
+        is_whole && !state.is_busy()
     });
     harness.run_steps(2);
 }

@@ -32,7 +32,7 @@ fn drawn(backend: &mut dyn Backend, design: &Design, traced: bool, samples: u32)
     finish(backend, &request)
 }
 
-/// The same once much has been learned, and an eye that has moved a little.
+/// A picture of 64 samples cut off at their first scattering, after 128 that taught the correction from an eye nearby.
 fn learned(backend: &mut dyn Backend, design: &Design) -> Picture {
     let mut request = request(closed(design, 1), SIZE);
     (request.crop, request.settings.samples) = (CROP, 128);

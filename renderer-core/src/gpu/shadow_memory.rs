@@ -130,7 +130,7 @@ impl ShadowMemory {
         }))
     }
 
-    /// The same shadows, and what it knows of light that goes on if that holds for `bounced` too.
+    /// Keeps its shadows, and its corrections of multiple scattering if those hold for `bounced`; else clears these.
     fn with_bounced(
         self,
         context: &GpuContext,

@@ -179,7 +179,7 @@ impl ShadowGrid {
         (page, in_page * self.lights as usize)
     }
 
-    /// The same texels, but for whole cells, and so wide that there are at most `most` of them.
+    /// Texels with this grid's layers, of whole cells of the sheet of `scene`, so wide that there are at most `most`.
     pub fn of_cells(&self, scene: &Scene, most: usize) -> Self {
         let mut shift = if self.per_cell > 1 { 0 } else { self.shift };
         loop {

@@ -622,7 +622,7 @@ struct Lit {
     light: DVec3,
     /// After further ones: their estimate, as corrected by what is known.
     further: DVec3,
-    /// The same as estimated.
+    /// After further scatterings, as estimated before any correction.
     estimate: DVec3,
 }
 

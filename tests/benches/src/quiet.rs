@@ -119,7 +119,7 @@ impl Seen {
         })
     }
 
-    /// The same from a camera that has turned by so many degrees.
+    /// This design from a camera that has turned about its target by so many degrees.
     fn turned(&self, degrees: f64) -> Self {
         let mut camera = self.camera.clone();
         camera.azimuth += degrees;

@@ -163,7 +163,7 @@ fn inside(canvas: &ChartCanvas, [x, y]: [i32; 2]) -> Option<[usize; 2]> {
     (x < canvas.size[0] && y < canvas.size[1]).then_some([x, y])
 }
 
-/// As [`inside`], for an image.
+/// The pixel of an image at a column and row, if it has that one.
 fn inside_image(image: &ChartImage, [x, y]: [i32; 2]) -> Option<[usize; 2]> {
     let (x, y) = (usize::try_from(x).ok()?, usize::try_from(y).ok()?);
     (x < image.width() && y < image.height()).then_some([x, y])

@@ -33,7 +33,7 @@ impl Snapper {
         }
     }
 
-    /// The same without guides.
+    /// These places to snap to, without guides.
     pub fn without_guides(mut self) -> Self {
         self.lines.iter_mut().for_each(|lines| lines.truncate(3));
         self

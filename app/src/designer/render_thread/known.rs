@@ -296,7 +296,7 @@ pub struct Drawn<'a> {
     pub picture: &'a Picture,
     /// Samples of a pixel.
     pub samples: u32,
-    /// The same picture when it had fewer samples, and how many.
+    /// How many samples an earlier state of the picture had, and that state.
     pub earlier: Option<(u32, &'a Picture)>,
     /// Its relRMSE, where that is known otherwise: of a denoised picture.
     pub error: Option<f64>,
